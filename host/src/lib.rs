@@ -1,0 +1,5 @@
+//! The woodcock renderer as a library: scenes, volumes, film, images.
+#![forbid(unsafe_code)]
+
+pub mod scene;
+pub mod volume;

@@ -1,0 +1,2 @@
+//! The `woodcock` command.
+fn main() {}

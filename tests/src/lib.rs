@@ -1,0 +1,2 @@
+//! The statistical test harness.
+#![forbid(unsafe_code)]
