@@ -1,0 +1,260 @@
+//! The walk over the blocks of a majorant grid: Amanatides and Woo 1987, in lanes.
+//!
+//! Blocks are counted in integers (held as exact floats), and the distance to a block's face is
+//! computed from the face's index each time, never accumulated; so the walk cannot drift from the
+//! grid. A place is clamped to its block before a sample is looked up: what it reads is always
+//! within the footprint that the block's bound was proved for.
+
+use crate::majorant::{BLOCK, MajorantGrid, Segment};
+use crate::ray::{Ray, bounded_reciprocal};
+use crate::real::{Mask, Real, Word};
+use crate::stream::Stream;
+use crate::vec3::Vec3;
+
+/// Where a grid's samples and bounds lie in their tables, per lane: lanes may walk different grids.
+#[derive(Clone, Copy, Debug)]
+pub struct GridLayout<R: Real> {
+    /// Index of the first sample.
+    pub samples: R::Word,
+    /// Samples from one row, and from one slice, to the next.
+    pub strides: [R::Word; 2],
+    /// Index of the first bound.
+    pub majorants: R::Word,
+    /// Bounds from one row, and from one slice, to the next.
+    pub majorant_strides: [R::Word; 2],
+    /// The far corner of the domain, n − 1 samples along each axis.
+    pub last: Vec3<R>,
+    /// What samples and bounds are multiplied with to give extinction [1/length].
+    pub scale: R,
+}
+
+impl<R: Real> GridLayout<R> {
+    /// The layout of one grid, alone in its tables, for every lane.
+    pub fn of(grid: &MajorantGrid<'_>, scale: f32) -> Self {
+        let [strides, majorant_strides] = MajorantGrid::strides(grid.dims);
+        Self {
+            samples: R::Word::splat(0),
+            strides: strides.map(R::Word::splat),
+            majorants: R::Word::splat(0),
+            majorant_strides: majorant_strides.map(R::Word::splat),
+            last: grid.size(),
+            scale: R::splat(scale),
+        }
+    }
+
+    #[inline(always)]
+    fn select(mask: R::Mask, a: &Self, b: &Self) -> Self {
+        let word = |a, b| R::Word::select(mask, a, b);
+        Self {
+            samples: word(a.samples, b.samples),
+            strides: [
+                word(a.strides[0], b.strides[0]),
+                word(a.strides[1], b.strides[1]),
+            ],
+            majorants: word(a.majorants, b.majorants),
+            majorant_strides: [
+                word(a.majorant_strides[0], b.majorant_strides[0]),
+                word(a.majorant_strides[1], b.majorant_strides[1]),
+            ],
+            last: Vec3::select(mask, a.last, b.last),
+            scale: R::select(mask, a.scale, b.scale),
+        }
+    }
+}
+
+/// A ray on its way through the blocks of a grid, in grid space, per lane.
+#[derive(Clone, Copy, Debug)]
+pub struct GridWalk<R: Real> {
+    layout: GridLayout<R>,
+    origin: Vec3<R>,
+    direction: Vec3<R>,
+    inverse: Vec3<R>,
+    /// Lower corner of the present block, a multiple of eight.
+    low: Vec3<R>,
+    /// Index of the present bound.
+    index: R::Word,
+    majorant: R,
+}
+
+impl<R: Real> GridWalk<R> {
+    /// A walk with no ray yet.
+    pub fn idle() -> Self {
+        let zero = R::Word::splat(0);
+        Self {
+            layout: GridLayout {
+                samples: zero,
+                strides: [zero; 2],
+                majorants: zero,
+                majorant_strides: [zero; 2],
+                last: Vec3::uniform(0.0),
+                scale: R::zero(),
+            },
+            origin: Vec3::uniform(0.0),
+            direction: Vec3::uniform(0.0),
+            inverse: Vec3::uniform(0.0),
+            low: Vec3::uniform(0.0),
+            index: zero,
+            majorant: R::zero(),
+        }
+    }
+
+    /// Puts the active lanes at the origin of a ray that begins within the grid's domain.
+    ///
+    /// `ray`: in grid space; the direction's length is what a unit of t covers there.
+    #[inline(always)]
+    pub fn begin(
+        &mut self,
+        layout: &GridLayout<R>,
+        ray: &Ray<R>,
+        majorants: &[f32],
+        active: R::Mask,
+    ) {
+        let edge = R::splat(BLOCK as f32);
+        // The last block begins at the last multiple of eight below the far corner.
+        let block = |o: R, last: R| {
+            let inside = o.max(R::zero()).min(last);
+            let block = (inside * R::splat(1.0 / BLOCK as f32)).to_word();
+            // On the far face itself, the block before it.
+            let beyond = last.le(R::from_word(block) * edge) & R::zero().lt(last);
+            block - R::Word::from_mask(beyond)
+        };
+        let cell = [
+            block(ray.origin.x, layout.last.x),
+            block(ray.origin.y, layout.last.y),
+            block(ray.origin.z, layout.last.z),
+        ];
+        let one = R::Word::splat(1);
+        let index = layout.majorants
+            + (cell[0] + one)
+            + (cell[1] + one) * layout.majorant_strides[0]
+            + (cell[2] + one) * layout.majorant_strides[1];
+        let low = Vec3::new(
+            R::from_word(cell[0]) * edge,
+            R::from_word(cell[1]) * edge,
+            R::from_word(cell[2]) * edge,
+        );
+        self.layout = GridLayout::select(active, layout, &self.layout);
+        self.origin = Vec3::select(active, ray.origin, self.origin);
+        self.direction = Vec3::select(active, ray.direction, self.direction);
+        self.inverse = Vec3::select(active, ray.direction.map(bounded_reciprocal), self.inverse);
+        self.low = Vec3::select(active, low, self.low);
+        self.index = R::Word::select(active, index, self.index);
+        let majorant = R::gather(majorants, self.index) * self.layout.scale;
+        self.majorant = R::select(active, majorant, self.majorant);
+    }
+
+    /// Distances to the present block's exit faces.
+    #[inline(always)]
+    fn exits(&self) -> Vec3<R> {
+        let edge = R::splat(BLOCK as f32);
+        let exit = |low: R, origin: R, direction: R, inverse: R| {
+            let face = R::select(direction.lt(R::zero()), low, low + edge);
+            (face - origin) * inverse
+        };
+        Vec3::new(
+            exit(self.low.x, self.origin.x, self.direction.x, self.inverse.x),
+            exit(self.low.y, self.origin.y, self.direction.y, self.inverse.y),
+            exit(self.low.z, self.origin.z, self.direction.z, self.inverse.z),
+        )
+    }
+
+    /// The present block's bound and where the ray leaves it.
+    #[inline(always)]
+    pub fn segment(&self) -> Segment<R> {
+        let exits = self.exits();
+        Segment {
+            majorant: self.majorant,
+            t_exit: exits.x.min(exits.y).min(exits.z),
+        }
+    }
+
+    /// Steps the active lanes into the block beyond the nearest face.
+    #[inline(always)]
+    pub fn next_segment(&mut self, majorants: &[f32], active: R::Mask) {
+        let exits = self.exits();
+        let along_x = exits.x.le(exits.y) & exits.x.le(exits.z) & active;
+        let along_y = exits.y.le(exits.z).and_not(along_x) & active;
+        let along_z = active.and_not(along_x | along_y);
+        let edge = R::splat(BLOCK as f32);
+        let step = |low: R, direction: R, along: R::Mask| {
+            low + R::select(direction.lt(R::zero()), -edge, edge).or_zero(along)
+        };
+        self.low = Vec3::new(
+            step(self.low.x, self.direction.x, along_x),
+            step(self.low.y, self.direction.y, along_y),
+            step(self.low.z, self.direction.z, along_z),
+        );
+        let zero = R::Word::splat(0);
+        let stride = |stride: R::Word, direction: R, along: R::Mask| {
+            let signed = R::Word::select(direction.lt(R::zero()), zero - stride, stride);
+            R::Word::select(along, signed, zero)
+        };
+        self.index = self.index
+            + stride(R::Word::splat(1), self.direction.x, along_x)
+            + stride(self.layout.majorant_strides[0], self.direction.y, along_y)
+            + stride(self.layout.majorant_strides[1], self.direction.z, along_z);
+        let majorant = R::gather(majorants, self.index) * self.layout.scale;
+        self.majorant = R::select(active, majorant, self.majorant);
+    }
+
+    /// The place at distance `t`, kept within the present block and the domain.
+    #[inline(always)]
+    fn place(&self, t: R) -> Vec3<R> {
+        let p = self.origin + self.direction * t;
+        let edge = R::splat(BLOCK as f32);
+        let clamp = |p: R, low: R, last: R| p.max(low).min((low + edge).min(last)).max(R::zero());
+        Vec3::new(
+            clamp(p.x, self.low.x, self.layout.last.x),
+            clamp(p.y, self.low.y, self.layout.last.y),
+            clamp(p.z, self.low.z, self.layout.last.z),
+        )
+    }
+
+    /// One-tap stochastic trilinear look-up of the extinction at distance `t` [1/length].
+    ///
+    /// Picks one of the eight samples around the place with its trilinear weight, so the expectation
+    /// is the interpolant, and an analog decision that compares it with a uniform number has exactly
+    /// the same probability. Two draws: 21, 21 and 22 bits for the three axes.
+    #[inline(always)]
+    pub fn sigma_t(&self, samples: &[f32], t: R, rng: &mut impl Stream<R>, active: R::Mask) -> R {
+        let place = self.place(t);
+        let (a, b) = (rng.next_word(active), rng.next_word(active));
+        let low_bits = R::Word::splat(0x7ff);
+        let c = (a & low_bits).shl(11) | (b & low_bits);
+        // The corner beyond, with probability equal to the fraction.
+        let corner = |p: R, bits: R::Word, range: f32| {
+            let cell = p.to_word();
+            let fraction = p - R::from_word(cell);
+            let u = R::from_word(bits) + R::splat(0.5);
+            cell + R::Word::from_mask(u.lt(fraction * R::splat(range)))
+        };
+        let x = corner(place.x, a.shr(11), 2_097_152.0);
+        let y = corner(place.y, b.shr(11), 2_097_152.0);
+        let z = corner(place.z, c, 4_194_304.0);
+        let index =
+            self.layout.samples + x + y * self.layout.strides[0] + z * self.layout.strides[1];
+        R::gather(samples, index) * self.layout.scale
+    }
+
+    /// The full trilinear interpolant at distance `t` [1/length]: eight look-ups, no draws.
+    #[inline(always)]
+    pub fn trilinear(&self, samples: &[f32], t: R) -> R {
+        let place = self.place(t);
+        let cell = |p: R| p.to_word();
+        let (x, y, z) = (cell(place.x), cell(place.y), cell(place.z));
+        let weight = |p: R, cell: R::Word| p - R::from_word(cell);
+        let (wx, wy, wz) = (weight(place.x, x), weight(place.y, y), weight(place.z, z));
+        // On the far face of the domain the weight is zero and the sample beyond must not be named.
+        let one =
+            |w: R, stride: R::Word| R::Word::select(R::zero().lt(w), stride, R::Word::splat(0));
+        let dx = one(wx, R::Word::splat(1));
+        let dy = one(wy, self.layout.strides[0]);
+        let dz = one(wz, self.layout.strides[1]);
+        let base =
+            self.layout.samples + x + y * self.layout.strides[0] + z * self.layout.strides[1];
+        let lerp = |w: R, a: R, b: R| a * (R::one() - w) + b * w;
+        let row = |i: R::Word| lerp(wx, R::gather(samples, i), R::gather(samples, i + dx));
+        let slice = |i: R::Word| lerp(wy, row(i), row(i + dy));
+        lerp(wz, slice(base), slice(base + dz)) * self.layout.scale
+    }
+}

@@ -1,0 +1,22 @@
+//! Majorants: bounds on the extinction, in pieces along a ray, and the one loop that consumes them.
+//!
+//! A medium proposes [`Segment`]s, each with a constant bound σ̄ on its extinction; the [`Tracker`]
+//! owns the stepping and says where tentative collisions fall. What a tentative collision means
+//! (absorption, scattering, null) is decided by the caller.
+
+mod dda;
+mod grid;
+mod tracker;
+
+pub use dda::{GridLayout, GridWalk};
+pub use grid::{BLOCK, MajorantError, MajorantGrid, fill_majorants, majorant_count};
+pub use tracker::{Advance, Tracker};
+
+/// A piece of a ray on which one bound holds.
+#[derive(Clone, Copy, Debug)]
+pub struct Segment<R> {
+    /// σ̄ ≥ σ_t everywhere on the piece [1/length].
+    pub majorant: R,
+    /// Where the piece ends [length along the ray].
+    pub t_exit: R,
+}

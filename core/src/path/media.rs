@@ -1,0 +1,400 @@
+//! Media as paths meet them: extinction with colour, albedo and phase function.
+//!
+//! A scene with one medium has its parameters as constants ([`OneHomogeneous`], [`OneGrid`]); a scene
+//! with several keeps them in a table, and each lane walks its own ([`Atlas`]).
+
+use crate::majorant::{GridLayout, GridWalk, MajorantGrid, Segment};
+use crate::medium::{Affine, IDENTITY, Medium, transform_ray};
+use crate::phase::Phase;
+use crate::ray::{FAR, Ray};
+use crate::real::{Mask, Real, Word};
+use crate::stream::Stream;
+use crate::vec3::Vec3;
+
+/// How a medium scatters, per lane.
+#[derive(Clone, Copy, Debug)]
+pub struct Optics<R: Real> {
+    /// Single-scattering albedo by colour, in [0, 1].
+    pub albedo: Vec3<R>,
+    /// Extinction by colour relative to the largest, in [0, 1]: all ones where it is grey.
+    pub colour: Vec3<R>,
+    /// Where it scatters to.
+    pub phase: Phase<R>,
+}
+
+/// A medium of a path: any [`Medium`] whose extinction is that of its most opaque colour.
+pub trait PathMedium<R: Real>: Medium<R> {
+    /// Puts the walks of the active lanes at the origin of a ray in the medium number `id`.
+    fn enter(&self, walk: &mut Self::Walk, ray: &Ray<R>, id: R::Word, active: R::Mask);
+    /// How the medium of each lane scatters.
+    fn optics(&self, walk: &Self::Walk) -> Optics<R>;
+}
+
+/// What a record describes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum RecordKind {
+    /// The same everywhere.
+    Homogeneous,
+    /// Samples of a grid, times `scale`.
+    Grid {
+        /// To the space where samples lie at the integers.
+        world_to_grid: Affine,
+        /// Samples along x, y, z.
+        dims: [u32; 3],
+        /// Index of the grid's first sample in the common table.
+        samples: u32,
+        /// Index of the grid's first bound in the common table.
+        majorants: u32,
+    },
+}
+
+/// The parameters of one medium.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MediumRecord {
+    /// What it is.
+    pub kind: RecordKind,
+    /// Extinction of the most opaque colour, of a sample of one in a grid [1/length].
+    pub scale: f32,
+    /// Extinction by colour relative to `scale`, in [0, 1].
+    pub colour: [f32; 3],
+    /// Single-scattering albedo by colour, in [0, 1].
+    pub albedo: [f32; 3],
+    /// Mean cosine, in (−1, 1).
+    pub g: f32,
+    /// Rayleigh's law instead of Henyey–Greenstein's.
+    pub rayleigh: bool,
+}
+
+/// Words of a record in an [`Atlas`].
+pub const RECORD_WORDS: usize = 32;
+
+// Places of a record's fields.
+const AFFINE: usize = 0;
+const SCALE: usize = 12;
+const COLOUR: usize = 13;
+const ALBEDO: usize = 16;
+const G: usize = 19;
+const RAYLEIGH: usize = 20;
+const IS_GRID: usize = 21;
+const SAMPLES: usize = 22;
+const STRIDES: usize = 23;
+const MAJORANTS: usize = 25;
+const MAJORANT_STRIDES: usize = 26;
+const LAST: usize = 28;
+
+impl MediumRecord {
+    /// The record as the words of a table.
+    pub fn to_words(&self) -> [u32; RECORD_WORDS] {
+        let mut words = [0; RECORD_WORDS];
+        let mut put = |at: usize, value: u32| {
+            if let Some(word) = words.get_mut(at) {
+                *word = value;
+            }
+        };
+        put(SCALE, self.scale.to_bits());
+        for axis in 0..3 {
+            put(COLOUR + axis, self.colour[axis].to_bits());
+            put(ALBEDO + axis, self.albedo[axis].to_bits());
+        }
+        put(G, self.g.to_bits());
+        put(RAYLEIGH, u32::from(self.rayleigh));
+        let (affine, dims) = match self.kind {
+            RecordKind::Homogeneous => (IDENTITY, [2; 3]),
+            RecordKind::Grid {
+                world_to_grid,
+                dims,
+                samples,
+                majorants,
+            } => {
+                put(IS_GRID, 1);
+                put(SAMPLES, samples);
+                put(MAJORANTS, majorants);
+                (world_to_grid, dims)
+            }
+        };
+        for (at, value) in affine.iter().flatten().enumerate() {
+            put(AFFINE + at, value.to_bits());
+        }
+        let [strides, majorant_strides] = MajorantGrid::strides(dims);
+        for axis in 0..2 {
+            put(STRIDES + axis, strides[axis]);
+            put(MAJORANT_STRIDES + axis, majorant_strides[axis]);
+        }
+        for (axis, n) in dims.iter().enumerate() {
+            put(LAST + axis, ((n - 1) as f32).to_bits());
+        }
+        words
+    }
+}
+
+/// Reads a record's fields, each lane its own or all the same, by a function of the field's place.
+struct Fields<F>(F);
+
+impl<F> Fields<F> {
+    #[inline(always)]
+    fn real<R: Real>(&self, at: usize) -> R
+    where
+        F: Fn(usize) -> R::Word,
+    {
+        R::from_f32_bits((self.0)(at))
+    }
+    #[inline(always)]
+    fn vec3<R: Real>(&self, at: usize) -> Vec3<R>
+    where
+        F: Fn(usize) -> R::Word,
+    {
+        Vec3::new(
+            self.real::<R>(at),
+            self.real::<R>(at + 1),
+            self.real::<R>(at + 2),
+        )
+    }
+    #[inline(always)]
+    fn layout<R: Real>(&self) -> GridLayout<R>
+    where
+        F: Fn(usize) -> R::Word,
+    {
+        let word = &self.0;
+        GridLayout {
+            samples: word(SAMPLES),
+            strides: [word(STRIDES), word(STRIDES + 1)],
+            majorants: word(MAJORANTS),
+            majorant_strides: [word(MAJORANT_STRIDES), word(MAJORANT_STRIDES + 1)],
+            last: self.vec3::<R>(LAST),
+            scale: self.real::<R>(SCALE),
+        }
+    }
+    #[inline(always)]
+    fn to_grid<R: Real>(&self, ray: &Ray<R>) -> Ray<R>
+    where
+        F: Fn(usize) -> R::Word,
+    {
+        let row = |at: usize| [0_usize, 1, 2, 3].map(|i| self.real::<R>(AFFINE + at * 4 + i));
+        transform_ray([row(0), row(1), row(2)], ray)
+    }
+    #[inline(always)]
+    fn optics<R: Real>(&self) -> Optics<R>
+    where
+        F: Fn(usize) -> R::Word,
+    {
+        let one = R::Word::splat(1);
+        Optics {
+            albedo: self.vec3::<R>(ALBEDO),
+            colour: self.vec3::<R>(COLOUR),
+            phase: Phase {
+                g: self.real::<R>(G),
+                rayleigh: (self.0)(RAYLEIGH).eq(one),
+            },
+        }
+    }
+}
+
+/// Gives every lane the same record.
+#[inline(always)]
+fn constant<R: Real>(words: &[u32; RECORD_WORDS]) -> Fields<impl Fn(usize) -> R::Word + '_> {
+    Fields(|at: usize| R::Word::splat(words[at]))
+}
+
+/// The only medium of a scene, homogeneous.
+#[derive(Clone, Copy, Debug)]
+pub struct OneHomogeneous {
+    words: [u32; RECORD_WORDS],
+}
+
+impl OneHomogeneous {
+    /// From its record.
+    pub fn new(record: &MediumRecord) -> Self {
+        Self {
+            words: record.to_words(),
+        }
+    }
+}
+
+impl<R: Real> Medium<R> for OneHomogeneous {
+    type Walk = ();
+    const ONE_SEGMENT: bool = true;
+    const TIGHT: bool = true;
+
+    #[inline(always)]
+    fn idle(&self) {}
+    #[inline(always)]
+    fn begin(&self, _: &mut (), _: &Ray<R>, _: R::Mask) {}
+    #[inline(always)]
+    fn segment(&self, _: &()) -> Segment<R> {
+        let majorant = constant::<R>(&self.words).real::<R>(SCALE);
+        Segment {
+            majorant,
+            t_exit: R::splat(FAR),
+        }
+    }
+    #[inline(always)]
+    fn next_segment(&self, _: &mut (), _: R::Mask) {}
+    #[inline(always)]
+    fn sigma_t(&self, _: &(), _: R, _: &mut impl Stream<R>, _: R::Mask) -> R {
+        constant::<R>(&self.words).real::<R>(SCALE)
+    }
+}
+
+impl<R: Real> PathMedium<R> for OneHomogeneous {
+    #[inline(always)]
+    fn enter(&self, _: &mut (), _: &Ray<R>, _: R::Word, _: R::Mask) {}
+    #[inline(always)]
+    fn optics(&self, _: &()) -> Optics<R> {
+        constant::<R>(&self.words).optics::<R>()
+    }
+}
+
+/// The only medium of a scene, on a grid.
+#[derive(Clone, Copy, Debug)]
+pub struct OneGrid<'a> {
+    words: [u32; RECORD_WORDS],
+    samples: &'a [f32],
+    majorants: &'a [f32],
+}
+
+impl<'a> OneGrid<'a> {
+    /// From its record, whose tables begin with the grid's samples and bounds.
+    pub fn new(record: &MediumRecord, grid: &MajorantGrid<'a>) -> Self {
+        Self {
+            words: record.to_words(),
+            samples: grid.samples,
+            majorants: grid.majorants,
+        }
+    }
+}
+
+impl<R: Real> Medium<R> for OneGrid<'_> {
+    type Walk = GridWalk<R>;
+    const ONE_SEGMENT: bool = false;
+    const TIGHT: bool = false;
+
+    #[inline(always)]
+    fn idle(&self) -> GridWalk<R> {
+        GridWalk::idle()
+    }
+    #[inline(always)]
+    fn begin(&self, walk: &mut GridWalk<R>, ray: &Ray<R>, active: R::Mask) {
+        let fields = constant::<R>(&self.words);
+        walk.begin(
+            &fields.layout::<R>(),
+            &fields.to_grid(ray),
+            self.majorants,
+            active,
+        );
+    }
+    #[inline(always)]
+    fn segment(&self, walk: &GridWalk<R>) -> Segment<R> {
+        walk.segment()
+    }
+    #[inline(always)]
+    fn next_segment(&self, walk: &mut GridWalk<R>, active: R::Mask) {
+        walk.next_segment(self.majorants, active);
+    }
+    #[inline(always)]
+    fn sigma_t(&self, walk: &GridWalk<R>, t: R, rng: &mut impl Stream<R>, active: R::Mask) -> R {
+        walk.sigma_t(self.samples, t, rng, active)
+    }
+}
+
+impl<R: Real> PathMedium<R> for OneGrid<'_> {
+    #[inline(always)]
+    fn enter(&self, walk: &mut GridWalk<R>, ray: &Ray<R>, _: R::Word, active: R::Mask) {
+        self.begin(walk, ray, active);
+    }
+    #[inline(always)]
+    fn optics(&self, _: &GridWalk<R>) -> Optics<R> {
+        constant::<R>(&self.words).optics::<R>()
+    }
+}
+
+/// Several media of any kind, their grids one after the other in common tables.
+#[derive(Clone, Copy, Debug)]
+pub struct Atlas<'a> {
+    /// The records' words, [`RECORD_WORDS`] a medium.
+    pub records: &'a [u32],
+    /// The samples of all grids.
+    pub samples: &'a [f32],
+    /// The bounds of all grids.
+    pub majorants: &'a [f32],
+}
+
+impl Atlas<'_> {
+    #[inline(always)]
+    fn fields<R: Real>(&self, id: R::Word) -> Fields<impl Fn(usize) -> R::Word + '_> {
+        let base = id * R::Word::splat(RECORD_WORDS as u32);
+        Fields(move |at: usize| R::Word::gather(self.records, base + R::Word::splat(at as u32)))
+    }
+}
+
+/// A lane's way through one of several media.
+#[derive(Clone, Debug)]
+pub struct AtlasWalk<R: Real> {
+    id: R::Word,
+    grid: GridWalk<R>,
+    is_grid: R::Mask,
+    scale: R,
+}
+
+impl<R: Real> Medium<R> for Atlas<'_> {
+    type Walk = AtlasWalk<R>;
+    const ONE_SEGMENT: bool = false;
+    const TIGHT: bool = false;
+
+    #[inline(always)]
+    fn idle(&self) -> AtlasWalk<R> {
+        AtlasWalk {
+            id: R::Word::splat(0),
+            grid: GridWalk::idle(),
+            is_grid: R::Mask::splat(false),
+            scale: R::zero(),
+        }
+    }
+    #[inline(always)]
+    fn begin(&self, walk: &mut AtlasWalk<R>, ray: &Ray<R>, active: R::Mask) {
+        self.enter(walk, ray, R::Word::splat(0), active);
+    }
+    #[inline(always)]
+    fn segment(&self, walk: &AtlasWalk<R>) -> Segment<R> {
+        let grid = walk.grid.segment();
+        Segment {
+            majorant: R::select(walk.is_grid, grid.majorant, walk.scale),
+            t_exit: R::select(walk.is_grid, grid.t_exit, R::splat(FAR)),
+        }
+    }
+    #[inline(always)]
+    fn next_segment(&self, walk: &mut AtlasWalk<R>, active: R::Mask) {
+        walk.grid
+            .next_segment(self.majorants, active & walk.is_grid);
+    }
+    #[inline(always)]
+    fn sigma_t(&self, walk: &AtlasWalk<R>, t: R, rng: &mut impl Stream<R>, active: R::Mask) -> R {
+        let on_grid = active & walk.is_grid;
+        if on_grid.any() {
+            let grid = walk.grid.sigma_t(self.samples, t, rng, on_grid);
+            R::select(walk.is_grid, grid, walk.scale)
+        } else {
+            walk.scale
+        }
+    }
+}
+
+impl<R: Real> PathMedium<R> for Atlas<'_> {
+    #[inline(always)]
+    fn enter(&self, walk: &mut AtlasWalk<R>, ray: &Ray<R>, id: R::Word, active: R::Mask) {
+        let fields = self.fields::<R>(id);
+        let is_grid = (fields.0)(IS_GRID).eq(R::Word::splat(1));
+        walk.id = R::Word::select(active, id, walk.id);
+        walk.is_grid = (is_grid & active) | walk.is_grid.and_not(active);
+        walk.scale = R::select(active, fields.real::<R>(SCALE), walk.scale);
+        let on_grid = is_grid & active;
+        if on_grid.any() {
+            let ray = fields.to_grid(ray);
+            walk.grid
+                .begin(&fields.layout::<R>(), &ray, self.majorants, on_grid);
+        }
+    }
+    #[inline(always)]
+    fn optics(&self, walk: &AtlasWalk<R>) -> Optics<R> {
+        self.fields::<R>(walk.id).optics::<R>()
+    }
+}

@@ -1,0 +1,88 @@
+//! Volume paths: the state and the steps that scalar code and packets both run.
+//!
+//! ## The life of a path
+//! A path begins on the film and is always in one *stage*:
+//!
+//! ```text
+//!           ┌────────────── null ──────────────┐
+//!           ▼                                  │
+//! launch → enter → track ⇄ (next segment) → collide → scatter ─┐
+//!           ▲ │                                                │
+//!           │ └─ nothing left: escape, or the shadow ray is through
+//!           └──────────────── shadow ray, then the next flight ┘
+//! ```
+//!
+//! *Enter* finds the next stretch of the ray that lies in a medium; *track* moves through majorant
+//! segments to a tentative collision; *collide* decides what it is; *scatter* samples a light and a new
+//! direction. The shadow ray of a scattering runs through the same stages, as a flag of the lane, so
+//! that lanes on shadow rays and lanes in flight share every step.
+//!
+//! Each step serves all lanes in its stage and no other. Which stage runs when changes no path's value,
+//! as a path draws only its own numbers in its own order; packets use that freedom to fill their
+//! lanes, and one lane simply follows the arrows.
+
+mod geometry;
+mod media;
+mod state;
+
+pub use geometry::{Convex, Geometry, Stretch};
+pub use media::{
+    Atlas, MediumRecord, OneGrid, OneHomogeneous, Optics, PathMedium, RECORD_WORDS, RecordKind,
+};
+pub use state::{Counts, Paths, Stage};
+
+use crate::camera::Camera;
+use crate::light::Lights;
+
+/// Which estimator a shadow ray uses where the medium has no closed form.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ShadowEstimator {
+    /// [`crate::transmittance::ratio`].
+    #[default]
+    Ratio,
+    /// [`crate::transmittance::delta`].
+    Delta,
+}
+
+/// What does not differ between paths.
+#[derive(Clone, Copy, Debug)]
+pub struct Settings {
+    /// Scatterings after which a path is cut off; `u32::MAX` is no limit. A cut is a bias that the
+    /// scene asked for.
+    pub max_depth: u32,
+    /// Shadow rays.
+    pub shadow: ShadowEstimator,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            max_depth: u32::MAX,
+            shadow: ShadowEstimator::Ratio,
+        }
+    }
+}
+
+/// Everything a path can meet.
+#[derive(Debug)]
+pub struct Scene<'a, M, G: ?Sized> {
+    /// What fills space.
+    pub medium: &'a M,
+    /// Where each medium lies.
+    pub geometry: &'a G,
+    /// What shines.
+    pub lights: Lights<'a>,
+    /// Where paths begin.
+    pub camera: &'a Camera,
+    /// The rest.
+    pub settings: Settings,
+}
+
+/// What a finished path brings to its pixel.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PathSample {
+    /// Radiance along the camera ray, by colour.
+    pub radiance: [f32; 3],
+    /// One if the path met a medium's particles, zero if it passed everything.
+    pub alpha: f32,
+}

@@ -1,0 +1,536 @@
+//! The paths of all lanes, and the steps that move them from stage to stage.
+
+use crate::collision::{self, Chromatic};
+use crate::free_flight::delta::is_real;
+use crate::majorant::Tracker;
+use crate::path::{Geometry, Optics, PathMedium, PathSample, Scene, ShadowEstimator};
+use crate::phase::Phase;
+use crate::ray::{FAR, Ray};
+use crate::real::{Mask, Real, Word};
+use crate::stream::KeyedStream;
+use crate::transmittance::{self, Rule};
+use crate::vec3::Vec3;
+
+/// What a lane's path does next.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// Find the next stretch of the ray within a medium.
+    Enter,
+    /// Move to the next tentative collision or majorant segment.
+    Track,
+    /// Decide a tentative collision.
+    Collide,
+    /// Sample a light and a new direction.
+    Scatter,
+}
+
+/// What the steps did, summed over lanes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Paths launched.
+    pub paths: u64,
+    /// Tentative collisions, of flights and shadow rays.
+    pub tentative_collisions: u64,
+    /// Flights ended by a real collision.
+    pub real_collisions: u64,
+    /// Tentative collisions of flights that were null.
+    pub null_collisions: u64,
+    /// Look-ups of samples.
+    pub lookups: u64,
+    /// Majorant segments walked.
+    pub majorant_cells: u64,
+    /// Tentative collisions whose extinction exceeded the bound: always zero unless a bound is wrong.
+    pub majorant_violations: u64,
+    /// Steps taken, all lanes together counting once.
+    pub steps: u64,
+    /// Lanes that held an unfinished path, summed over steps.
+    pub busy_lanes: u64,
+}
+
+impl Counts {
+    /// Adds another's.
+    pub fn add(&mut self, other: &Self) {
+        self.paths += other.paths;
+        self.tentative_collisions += other.tentative_collisions;
+        self.real_collisions += other.real_collisions;
+        self.null_collisions += other.null_collisions;
+        self.lookups += other.lookups;
+        self.majorant_cells += other.majorant_cells;
+        self.majorant_violations += other.majorant_violations;
+        self.steps += other.steps;
+        self.busy_lanes += other.busy_lanes;
+    }
+}
+
+/// The nearest real collision found so far on a lane's ray.
+#[derive(Clone, Copy, Debug)]
+struct Hit<R: Real> {
+    point: Vec3<R>,
+    albedo: Vec3<R>,
+    phase: Phase<R>,
+}
+
+/// A path in each lane.
+///
+/// `CHROMATIC`: extinction differs between colours; otherwise one scalar weight serves all three.
+/// `ANY_RAYLEIGH`: some medium follows Rayleigh's law.
+#[derive(Clone, Debug)]
+pub struct Paths<R: Real, W, S, const CHROMATIC: bool, const ANY_RAYLEIGH: bool> {
+    stream: S,
+    tracker: Tracker<R, W>,
+    ray: Ray<R>,
+    /// Where the tracker's ray begins: the entry of the present stretch, and its distance.
+    entry: Vec3<R>,
+    entered: R,
+    cursor: R::Word,
+    limit: R,
+    hit: Hit<R>,
+    /// The flight that follows a shadow ray.
+    next_direction: Vec3<R>,
+    throughput: Vec3<R>,
+    radiance: Vec3<R>,
+    /// What the shadow ray's light brings, but for its transmittance, which is `weight`.
+    direct: Vec3<R>,
+    weight: Vec3<R>,
+    depth: R::Word,
+    /// Density with which the present direction was sampled [1/sr].
+    pdf: R,
+    shadow: R::Mask,
+    touched: R::Mask,
+    stages: [R::Mask; 4],
+    counts: Counts,
+}
+
+/// A word beyond any number of stretches: the next search finds nothing.
+const NO_MORE: u32 = 1 << 30;
+/// Below this throughput a path plays roulette, and survives with it.
+const ROULETTE_THROUGHPUT: f32 = 0.25;
+/// Below this weight a shadow ray plays roulette, and survives with it.
+const ROULETTE_SHADOW: f32 = 0.125;
+/// A density that no competing strategy comes near.
+const CERTAIN: f32 = 1e30;
+
+impl<R, W, S, const CHROMATIC: bool, const ANY_RAYLEIGH: bool>
+    Paths<R, W, S, CHROMATIC, ANY_RAYLEIGH>
+where
+    R: Real,
+    W: Clone,
+    S: KeyedStream<R>,
+{
+    /// No path in any lane.
+    pub fn idle<M: PathMedium<R, Walk = W>>(medium: &M) -> Self {
+        let zero = Vec3::uniform(0.0);
+        let none = R::Mask::splat(false);
+        Self {
+            stream: S::idle(),
+            tracker: Tracker::idle(medium.idle()),
+            ray: Ray {
+                origin: zero,
+                direction: zero,
+            },
+            entry: zero,
+            entered: R::zero(),
+            cursor: R::Word::splat(0),
+            limit: R::zero(),
+            hit: Hit {
+                point: zero,
+                albedo: zero,
+                phase: Phase {
+                    g: R::zero(),
+                    rayleigh: none,
+                },
+            },
+            next_direction: zero,
+            throughput: zero,
+            radiance: zero,
+            direct: zero,
+            weight: zero,
+            depth: R::Word::splat(0),
+            pdf: R::zero(),
+            shadow: none,
+            touched: none,
+            stages: [none; 4],
+            counts: Counts::default(),
+        }
+    }
+
+    /// The lanes at a stage.
+    #[inline(always)]
+    pub fn at(&self, stage: Stage) -> R::Mask {
+        self.stages[stage as usize]
+    }
+
+    /// The lanes with an unfinished path.
+    #[inline(always)]
+    pub fn running(&self) -> R::Mask {
+        let [a, b, c, d] = self.stages;
+        a | b | c | d
+    }
+
+    /// The streams, to be given new keys before a launch.
+    #[inline(always)]
+    pub fn stream(&mut self) -> &mut S {
+        &mut self.stream
+    }
+
+    /// What has been done so far.
+    pub fn counts(&self) -> &Counts {
+        &self.counts
+    }
+
+    /// What the path of a finished lane brings.
+    #[inline]
+    pub fn sample(&self, lane: usize) -> PathSample {
+        PathSample {
+            radiance: self.radiance.lane(lane),
+            alpha: f32::from(u8::from(self.touched.lane(lane))),
+        }
+    }
+
+    #[inline(always)]
+    fn go(&mut self, lanes: R::Mask, from: Stage, to: Stage) {
+        self.stages[from as usize] = self.at(from).and_not(lanes);
+        self.stages[to as usize] = self.at(to) | lanes;
+    }
+
+    #[inline(always)]
+    fn finish(&mut self, lanes: R::Mask, from: Stage) {
+        self.stages[from as usize] = self.at(from).and_not(lanes);
+    }
+
+    #[inline(always)]
+    fn count_step(&mut self) {
+        self.counts.steps += 1;
+        self.counts.busy_lanes += u64::from(self.running().count());
+    }
+
+    /// Begins paths in the given lanes, whose streams have been given their keys.
+    ///
+    /// * `x`, `y`: column and row of each path's pixel.
+    #[inline(always)]
+    pub fn launch<M, G: ?Sized>(&mut self, scene: &Scene<'_, M, G>, x: R, y: R, lanes: R::Mask) {
+        let ray = scene.camera.ray(x, y, &mut self.stream, lanes);
+        self.ray = Ray::select(lanes, &ray, &self.ray);
+        self.throughput = Vec3::select(lanes, Vec3::uniform(1.0), self.throughput);
+        self.radiance = Vec3::select(lanes, Vec3::uniform(0.0), self.radiance);
+        self.depth = R::Word::select(lanes, R::Word::splat(0), self.depth);
+        self.pdf = R::select(lanes, R::splat(CERTAIN), self.pdf);
+        self.shadow = self.shadow.and_not(lanes);
+        self.touched = self.touched.and_not(lanes);
+        self.counts.paths += u64::from(lanes.count());
+        self.begin_ray(lanes);
+        self.stages[Stage::Enter as usize] = self.at(Stage::Enter) | lanes;
+    }
+
+    #[inline(always)]
+    fn begin_ray(&mut self, lanes: R::Mask) {
+        self.cursor = R::Word::select(lanes, R::Word::splat(0), self.cursor);
+        self.limit = R::select(lanes, R::splat(FAR), self.limit);
+    }
+
+    #[inline(always)]
+    fn next_stretch(&mut self, lanes: R::Mask) {
+        self.cursor = self.cursor + R::Word::from_mask(lanes);
+    }
+
+    /// Finds the next stretch of the rays of all lanes at [`Stage::Enter`]; where there is none, ends
+    /// the ray.
+    #[inline(always)]
+    pub fn enter<M, G>(&mut self, scene: &Scene<'_, M, G>)
+    where
+        M: PathMedium<R, Walk = W>,
+        G: Geometry<R> + ?Sized,
+    {
+        self.count_step();
+        let lanes = self.at(Stage::Enter);
+        let stretch = scene.geometry.stretch(&self.ray, self.cursor, lanes);
+        let found = stretch.found & lanes;
+        let t0 = stretch.interval.t0;
+        let t1 = stretch.interval.t1.min(self.limit);
+        let inside = t0.lt(t1) & found;
+        self.next_stretch(found.and_not(inside));
+        if inside.any() {
+            self.entry = Vec3::select(inside, self.ray.at(t0), self.entry);
+            self.entered = R::select(inside, t0, self.entered);
+            let ray = Ray {
+                origin: self.entry,
+                direction: self.ray.direction,
+            };
+            scene
+                .medium
+                .enter(&mut self.tracker.walk, &ray, stretch.medium, inside);
+            let mut tracked = inside;
+            if M::TIGHT {
+                let through = inside & self.shadow;
+                if through.any() {
+                    self.attenuate(scene.medium, t1 - t0, through);
+                    self.next_stretch(through);
+                    tracked = tracked.and_not(through);
+                }
+            }
+            self.tracker.begin(t1 - t0, &mut self.stream, tracked);
+            self.go(tracked, Stage::Enter, Stage::Track);
+        }
+        let ended = lanes.and_not(found);
+        if ended.any() {
+            self.end_ray(scene, ended);
+        }
+    }
+
+    /// Shadow rays through a stretch whose transmittance has a closed form.
+    #[inline(always)]
+    fn attenuate<M: PathMedium<R, Walk = W>>(&mut self, medium: &M, length: R, lanes: R::Mask) {
+        let sigma_t = medium.segment(&self.tracker.walk).majorant;
+        let through = |sigma_t| transmittance::analytic::through(sigma_t, length);
+        let factor = if CHROMATIC {
+            let colour = medium.optics(&self.tracker.walk).colour;
+            (colour * sigma_t).map(through)
+        } else {
+            let grey = through(sigma_t);
+            Vec3::new(grey, grey, grey)
+        };
+        self.weight = Vec3::select(lanes, self.weight.times(factor), self.weight);
+    }
+
+    /// No further medium on these rays: a shadow ray reaches its light, a flight its nearest
+    /// collision or the environment.
+    #[inline(always)]
+    fn end_ray<M, G: ?Sized>(&mut self, scene: &Scene<'_, M, G>, ended: R::Mask) {
+        let lit = ended & self.shadow;
+        let radiance = self.radiance + self.direct.times(self.weight);
+        self.radiance = Vec3::select(lit, radiance, self.radiance);
+        self.ray.direction = Vec3::select(lit, self.next_direction, self.ray.direction);
+        self.shadow = self.shadow.and_not(lit);
+        self.begin_ray(lit);
+
+        let flown = ended.and_not(lit);
+        let collided = self.limit.lt(R::splat(FAR)) & flown;
+        self.go(collided, Stage::Enter, Stage::Scatter);
+        let escaped = flown.and_not(collided);
+        if escaped.any() {
+            let mut sky = Vec3::splat(scene.lights.environment);
+            if scene.lights.sample_environment {
+                let competing = scene.lights.environment_pdf::<R>();
+                sky = sky * (self.pdf / (self.pdf + competing));
+            }
+            let radiance = self.radiance + self.throughput.times(sky);
+            self.radiance = Vec3::select(escaped, radiance, self.radiance);
+            self.finish(escaped, Stage::Enter);
+        }
+    }
+
+    /// Moves all lanes at [`Stage::Track`] to their next tentative collision or segment.
+    #[inline(always)]
+    pub fn track<M: PathMedium<R, Walk = W>, G: ?Sized>(&mut self, scene: &Scene<'_, M, G>) {
+        self.count_step();
+        let lanes = self.at(Stage::Track);
+        self.counts.majorant_cells += u64::from(lanes.count());
+        let advance = self.tracker.advance(scene.medium, lanes);
+        self.next_stretch(advance.left);
+        self.go(advance.left, Stage::Track, Stage::Enter);
+        self.go(advance.tentative, Stage::Track, Stage::Collide);
+    }
+
+    /// Decides the tentative collisions of all lanes at [`Stage::Collide`].
+    #[inline(always)]
+    pub fn collide<M, G>(&mut self, scene: &Scene<'_, M, G>)
+    where
+        M: PathMedium<R, Walk = W>,
+        G: Geometry<R> + ?Sized,
+    {
+        self.count_step();
+        let lanes = self.at(Stage::Collide);
+        let t = self.tracker.t();
+        let majorant = self.tracker.majorant(scene.medium);
+        let sigma_t = scene
+            .medium
+            .sigma_t(&self.tracker.walk, t, &mut self.stream, lanes);
+        let flight = lanes.and_not(self.shadow);
+        let shadow = lanes & self.shadow;
+        let number = u64::from(lanes.count());
+        self.counts.tentative_collisions += number;
+        self.counts.lookups += if M::TIGHT { 0 } else { number };
+        self.counts.majorant_violations += u64::from((majorant.lt(sigma_t) & lanes).count());
+
+        let mut real = R::Mask::splat(false);
+        if flight.any() {
+            real = if CHROMATIC {
+                let optics = scene.medium.optics(&self.tracker.walk);
+                let event = Chromatic {
+                    sigma_t,
+                    majorant,
+                    colour: optics.colour,
+                };
+                let (real, throughput) = event.decide(self.throughput, &mut self.stream, flight);
+                self.throughput = throughput;
+                real
+            } else {
+                is_real::<R, M>(sigma_t, majorant, &mut self.stream, flight)
+            };
+            let reals = u64::from(real.count());
+            self.counts.real_collisions += reals;
+            self.counts.null_collisions += u64::from(flight.count()) - reals;
+        }
+        if real.any() {
+            self.record_hit(scene, t, real);
+        }
+        let mut onward = flight.and_not(real);
+        if shadow.any() {
+            let blocked = self.dim(scene, sigma_t, majorant, shadow);
+            self.cursor = R::Word::select(blocked, R::Word::splat(NO_MORE), self.cursor);
+            self.go(blocked, Stage::Collide, Stage::Enter);
+            onward = onward | shadow.and_not(blocked);
+        }
+        if !M::TIGHT || CHROMATIC {
+            self.tracker.redraw(&mut self.stream, onward);
+        }
+        self.go(onward, Stage::Collide, Stage::Track);
+    }
+
+    /// Keeps the place and the optics of real collisions.
+    #[inline(always)]
+    fn record_hit<M, G>(&mut self, scene: &Scene<'_, M, G>, t: R, real: R::Mask)
+    where
+        M: PathMedium<R, Walk = W>,
+        G: Geometry<R> + ?Sized,
+    {
+        let Optics { albedo, phase, .. } = scene.medium.optics(&self.tracker.walk);
+        let point = self.entry + self.ray.direction * t;
+        self.hit = Hit {
+            point: Vec3::select(real, point, self.hit.point),
+            albedo: Vec3::select(real, albedo, self.hit.albedo),
+            phase: Phase::select(real, &phase, &self.hit.phase),
+        };
+        self.touched = self.touched | real;
+        if scene.geometry.overlaps() {
+            // Another stretch may hold a nearer one; search on, up to here.
+            self.limit = R::select(real, self.entered + t, self.limit);
+            self.next_stretch(real);
+            self.go(real, Stage::Collide, Stage::Enter);
+        } else {
+            self.go(real, Stage::Collide, Stage::Scatter);
+        }
+    }
+
+    /// A tentative collision of shadow rays: lowers their weights. Returns the rays that are blocked.
+    #[inline(always)]
+    fn dim<M: PathMedium<R, Walk = W>, G: ?Sized>(
+        &mut self,
+        scene: &Scene<'_, M, G>,
+        sigma_t: R,
+        majorant: R,
+        shadow: R::Mask,
+    ) -> R::Mask {
+        use crate::transmittance::{delta::Delta, ratio::Ratio};
+        let rng = &mut self.stream;
+        let old = self.weight;
+        let new = match scene.settings.shadow {
+            ShadowEstimator::Ratio if CHROMATIC => {
+                let colour = scene.medium.optics(&self.tracker.walk).colour;
+                let mut lower =
+                    |c: R, w: R| Ratio::collide::<R, M>(w, sigma_t * c, majorant, rng, shadow);
+                Vec3::new(
+                    lower(colour.x, old.x),
+                    lower(colour.y, old.y),
+                    lower(colour.z, old.z),
+                )
+            }
+            estimator => {
+                let grey = match estimator {
+                    ShadowEstimator::Ratio => {
+                        Ratio::collide::<R, M>(old.x, sigma_t, majorant, rng, shadow)
+                    }
+                    ShadowEstimator::Delta => {
+                        Delta::collide::<R, M>(old.x, sigma_t, majorant, rng, shadow)
+                    }
+                };
+                Vec3::new(grey, grey, grey)
+            }
+        };
+        let largest = if CHROMATIC {
+            new.max_component()
+        } else {
+            new.x
+        };
+        let factor =
+            collision::roulette(largest, R::splat(ROULETTE_SHADOW), &mut self.stream, shadow);
+        self.weight = Vec3::select(shadow, new * factor, old);
+        (largest * factor).eq(R::zero()) & shadow
+    }
+
+    /// Scatters the paths of all lanes at [`Stage::Scatter`]: albedo, roulette, a new direction, and a
+    /// shadow ray to a light.
+    #[inline(always)]
+    pub fn scatter<M, G>(&mut self, scene: &Scene<'_, M, G>)
+    where
+        M: PathMedium<R, Walk = W>,
+        G: Geometry<R> + ?Sized,
+    {
+        self.count_step();
+        let lanes = self.at(Stage::Scatter);
+        let limit = R::Word::splat(scene.settings.max_depth.min(i32::MAX.cast_unsigned()));
+        let mut alive = self.depth.lt(limit) & lanes;
+        self.depth = self.depth + R::Word::from_mask(lanes);
+        let throughput = self.throughput.times(self.hit.albedo);
+        let factor = collision::roulette(
+            throughput.max_component(),
+            R::splat(ROULETTE_THROUGHPUT),
+            &mut self.stream,
+            alive,
+        );
+        alive = alive.and_not(factor.eq(R::zero()) | throughput.max_component().eq(R::zero()));
+        self.throughput = Vec3::select(alive, throughput * factor, self.throughput);
+        self.finish(lanes.and_not(alive), Stage::Scatter);
+        if !alive.any() {
+            return;
+        }
+        self.ray.origin = Vec3::select(alive, self.hit.point, self.ray.origin);
+        let incoming = self.ray.direction;
+        let phase = self.hit.phase;
+        let (u, turn) = (self.stream.uniform(alive), self.stream.uniform(alive));
+        let cosine = phase.sample::<ANY_RAYLEIGH>(u);
+        let direction = incoming.deflected(cosine, turn);
+        if scene.lights.sample_environment {
+            self.pdf = R::select(alive, phase.eval::<ANY_RAYLEIGH>(cosine), self.pdf);
+        }
+        if scene.lights.count() == 0 {
+            self.ray.direction = Vec3::select(alive, direction, incoming);
+        } else {
+            let light = scene.lights.sample(&mut self.stream, alive);
+            let density = phase.eval::<ANY_RAYLEIGH>(incoming.dot(light.direction));
+            // Balance heuristic; one for a light that only next-event estimation can find.
+            let share = if scene.lights.sample_environment {
+                R::select(
+                    light.pdf.eq(R::zero()),
+                    R::one(),
+                    light.pdf / (light.pdf + density),
+                )
+            } else {
+                R::one()
+            };
+            let direct = self.throughput.times(light.radiance) * (density * share);
+            self.direct = Vec3::select(alive, direct, self.direct);
+            self.weight = Vec3::select(alive, Vec3::uniform(1.0), self.weight);
+            self.next_direction = Vec3::select(alive, direction, self.next_direction);
+            self.ray.direction = Vec3::select(alive, light.direction, incoming);
+            self.shadow = self.shadow | alive;
+        }
+        self.begin_ray(alive);
+        self.go(alive, Stage::Scatter, Stage::Enter);
+    }
+
+    /// Runs one stage.
+    #[inline(always)]
+    pub fn step<M, G>(&mut self, scene: &Scene<'_, M, G>, stage: Stage)
+    where
+        M: PathMedium<R, Walk = W>,
+        G: Geometry<R> + ?Sized,
+    {
+        match stage {
+            Stage::Enter => self.enter(scene),
+            Stage::Track => self.track(scene),
+            Stage::Collide => self.collide(scene),
+            Stage::Scatter => self.scatter(scene),
+        }
+    }
+}
