@@ -11,10 +11,21 @@ use woodcock_core::stream::{Key, KeyedStream, PCG_INCREMENT, PCG_MULTIPLIER, Str
 use crate::lanes::{LANES, LaneMask, LaneWords, Lanes};
 
 /// The streams of eight paths.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct LaneStream {
     even: u32x8,
     odd: u32x8,
+}
+
+impl LaneStream {
+    /// Replaces the states of the given lanes, from their lower and upper halves.
+    #[inline(always)]
+    pub(crate) fn set_states(&mut self, low: LaneWords, high: LaneWords, lanes: LaneMask) {
+        let (even, odd) = vector::interleave(low.0, high.0);
+        let (even_mask, odd_mask) = vector::spread(lanes.words());
+        self.even = vector::select(even_mask, even, self.even);
+        self.odd = vector::select(odd_mask, odd, self.odd);
+    }
 }
 
 impl Stream<Lanes> for LaneStream {
@@ -104,6 +115,15 @@ mod vector {
         (cast(even), cast(odd))
     }
 
+    /// The states of the even lanes and of the odd ones from the halves of all.
+    #[inline(always)]
+    pub(super) fn interleave(low: u32x8, high: u32x8) -> (u32x8, u32x8) {
+        let (low, high): (m256i, m256i) = (cast(low), cast(high));
+        let even = blend_imm_i32_m256i::<0b1010_1010>(low, shl_imm_u64_m256i::<32>(high));
+        let odd = blend_imm_i32_m256i::<0b1010_1010>(shr_imm_u64_m256i::<32>(low), high);
+        (cast(even), cast(odd))
+    }
+
     #[inline(always)]
     pub(super) fn select(mask: u32x8, if_true: u32x8, if_false: u32x8) -> u32x8 {
         cast(blend_varying_i8_m256i(
@@ -146,6 +166,16 @@ mod vector {
         (
             map(mask, |m| (m & 0xffff_ffff).wrapping_mul(0x1_0000_0001)),
             map(mask, |m| (m >> 32).wrapping_mul(0x1_0000_0001)),
+        )
+    }
+
+    #[inline(always)]
+    pub(super) fn interleave(low: u32x8, high: u32x8) -> (u32x8, u32x8) {
+        let (l, h) = (low.to_array(), high.to_array());
+        let state = |i: usize| (u64::from(h[i]) << 32) | u64::from(l[i]);
+        (
+            cast([state(0), state(2), state(4), state(6)]),
+            cast([state(1), state(3), state(5), state(7)]),
         )
     }
 

@@ -2,18 +2,22 @@
 //!
 //! Eight rays are under way at a time. A lane whose ray has ended takes the next one of the bundle, and
 //! the result lands at its ray's place; waiting for the slowest of eight instead would leave half of the
-//! lanes idle. The streams are keyed by ray, so neither order nor neighbours change a result.
+//! lanes idle. Every ray has its own stream, so neither order nor neighbours change a result.
 
-use woodcock_core::free_flight::delta::Delta;
-use woodcock_core::medium::Medium;
+use alloc::vec::Vec;
+use core::array;
+use core::marker::PhantomData;
+
+use woodcock_core::free_flight::{analytic, delta::Delta};
+use woodcock_core::medium::{Homogeneous, Medium};
 use woodcock_core::ray::Ray;
-use woodcock_core::real::{Mask, Real};
-use woodcock_core::stream::{Key, KeyedStream};
+use woodcock_core::real::{Mask, Real, Word};
+use woodcock_core::stream::Key;
 use woodcock_core::transmittance::{Estimate, Rule};
 use woodcock_core::vec3::Vec3;
 
 use crate::bits::LaneStream;
-use crate::lanes::{LANES, LaneMask, Lanes};
+use crate::lanes::{LANES, LaneMask, LaneWords, Lanes};
 
 /// A ray of a bundle.
 #[derive(Clone, Copy, Debug)]
@@ -24,17 +28,66 @@ pub struct BundleRay {
     pub direction: [f32; 3],
     /// How far to look [length].
     pub t_max: f32,
-    /// Its random numbers.
+    /// Its random numbers, from their beginning.
     pub key: Key,
 }
 
-/// What became of a flight.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct BundleFlight {
-    /// Where it ended [length]: the collision, or `t_max`.
-    pub t: f32,
-    /// Whether it collided.
-    pub collided: bool,
+/// Rays that wait for lanes, component by component, so that eight of them load at once.
+#[derive(Clone, Debug, Default)]
+pub struct Bundle {
+    /// Origin, direction and length: seven numbers a ray.
+    numbers: [Vec<f32>; 7],
+    /// Lower and upper halves of the streams' states.
+    states: [Vec<u32>; 2],
+}
+
+impl Bundle {
+    /// How many rays there are.
+    pub fn len(&self) -> usize {
+        self.states[0].len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Adds a ray.
+    pub fn push(&mut self, ray: &BundleRay) {
+        let ([ox, oy, oz], [dx, dy, dz]) = (ray.origin, ray.direction);
+        let numbers = [ox, oy, oz, dx, dy, dz, ray.t_max];
+        for (column, number) in self.numbers.iter_mut().zip(numbers) {
+            column.push(number);
+        }
+        let state = ray.key.initial_state();
+        self.states[0].push(state as u32);
+        self.states[1].push((state >> 32) as u32);
+    }
+}
+
+impl<'a> FromIterator<&'a BundleRay> for Bundle {
+    fn from_iter<I: IntoIterator<Item = &'a BundleRay>>(rays: I) -> Self {
+        let mut bundle = Self::default();
+        for ray in rays {
+            bundle.push(ray);
+        }
+        bundle
+    }
+}
+
+/// Eight entries of a column from `first` on; zeros beyond its end.
+#[inline(always)]
+fn eight<T: Copy + Default>(column: &[T], first: usize) -> [T; LANES] {
+    match column.get(first..first + LANES).map(TryInto::try_into) {
+        Some(Ok(all)) => all,
+        _ => last_few(column, first),
+    }
+}
+
+#[cold]
+#[inline(never)]
+fn last_few<T: Copy + Default>(column: &[T], first: usize) -> [T; LANES] {
+    array::from_fn(|i| column.get(first + i).copied().unwrap_or_default())
 }
 
 /// How a bundle went.
@@ -68,7 +121,7 @@ impl Usage {
 /// When finished lanes take new rays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Schedule {
-    /// At once.
+    /// As soon as it pays.
     Refill,
     /// When all eight have finished: the baseline of the benches.
     LockStep,
@@ -77,67 +130,135 @@ pub enum Schedule {
 /// What eight rays are put through.
 trait Process {
     fn begin(&mut self, ray: &Ray<Lanes>, t_max: Lanes, rng: &mut LaneStream, lanes: LaneMask);
-    fn running(&self) -> LaneMask;
-    fn step(&mut self, rng: &mut LaneStream) -> LaneMask;
+    fn tracking(&self) -> LaneMask;
+    fn tentative(&self) -> LaneMask;
+    fn advance(&mut self);
+    fn collide(&mut self, rng: &mut LaneStream);
+    fn result(&self) -> Lanes;
 }
 
-/// Runs a process over a bundle; `land(lane, ray, process)` takes the result of a finished ray.
+/// Tentative collisions are decided when this many lanes are at one; moving on is cheaper.
+const COLLIDE_AT: u32 = 5;
+
+/// Runs a process over a bundle; results land at their rays' places.
 #[inline(always)]
 fn run<P: Process>(
     process: &mut P,
-    rays: &[BundleRay],
+    bundle: &Bundle,
     schedule: Schedule,
-    mut land: impl FnMut(&P, usize, usize),
+    results: &mut [f32],
 ) -> Usage {
     let mut usage = Usage::default();
-    let mut rng = LaneStream::idle();
-    let mut owners = [usize::MAX; LANES];
-    let mut waiting = rays.iter().enumerate();
+    let mut rng = LaneStream::default();
+    let mut owners = LaneWords::default();
+    let mut next = 0_usize;
     let mut held = 0_u32;
-    let zero = Vec3::uniform(0.0);
-    let mut ray = Ray {
-        origin: zero,
-        direction: zero,
-    };
-    let mut t_max = Lanes::zero();
     loop {
-        let running = process.running().bits();
-        let finished = held & !running;
+        let running = (process.tracking() | process.tentative()).bits();
+        let idle = !running & 0xff;
         let refill = match schedule {
-            Schedule::Refill => running != 0xff && (finished != 0 || held == 0),
-            Schedule::LockStep => running == 0,
+            Schedule::Refill => idle != 0,
+            Schedule::LockStep => idle == 0xff,
         };
         if refill {
-            let mut begun = 0_u32;
-            for (lane, owner) in owners.iter_mut().enumerate() {
-                let bit = 1 << lane;
-                if running & bit != 0 {
-                    continue;
-                }
-                if held & bit != 0 {
-                    land(process, lane, *owner);
-                    held &= !bit;
-                }
-                if let Some((index, next)) = waiting.next() {
-                    *owner = index;
-                    held |= bit;
-                    begun |= bit;
-                    ray.origin.set_lane(lane, next.origin);
-                    ray.direction.set_lane(lane, next.direction);
-                    t_max.set_lane(lane, next.t_max);
-                    rng.set_key(lane, next.key);
-                }
-            }
-            if begun != 0 {
-                process.begin(&ray, t_max, &mut rng, LaneMask::from_bits(begun));
-            }
-            if held == 0 {
+            land(process.result(), held & idle, owners, results);
+            held &= running;
+            let waiting = bundle.len() - next;
+            if waiting > 0 {
+                let begun = lowest_bits(idle, waiting);
+                let mask = LaneMask::from_bits(begun);
+                let order = ranks(begun);
+                let column = |i: usize| Lanes::new(eight(&bundle.numbers[i], next)).permuted(order);
+                let ray = Ray {
+                    origin: Vec3::new(column(0), column(1), column(2)),
+                    direction: Vec3::new(column(3), column(4), column(5)),
+                };
+                let half =
+                    |i: usize| LaneWords::new(eight(&bundle.states[i], next)).permuted(order);
+                rng.set_states(half(0), half(1), mask);
+                owners = LaneWords::select(mask, LaneWords::places(next, order), owners);
+                process.begin(&ray, column(6), &mut rng, mask);
+                held |= begun;
+                next += begun.count_ones() as usize;
+            } else if held == 0 {
                 return usage;
             }
         }
-        usage.steps += 1;
-        usage.busy_lanes += u64::from(process.running().count());
-        usage.tentative_collisions += u64::from(process.step(&mut rng).count());
+        loop {
+            let tracking = process.tracking();
+            let tentative = process.tentative();
+            if !tracking.any() || tentative.count() >= COLLIDE_AT {
+                break;
+            }
+            usage.steps += 1;
+            usage.busy_lanes += u64::from((tracking | tentative).count());
+            process.advance();
+            let busy = (process.tracking() | process.tentative()).count();
+            // Where rays wait, a lane or two that have left are worth more than a fuller decision.
+            if schedule == Schedule::Refill && next < bundle.len() && busy + 1 < LANES as u32 {
+                break;
+            }
+        }
+        let tentative = process.tentative();
+        let deciding = tentative.count();
+        if deciding >= COLLIDE_AT || (deciding > 0 && !process.tracking().any()) {
+            usage.steps += 1;
+            usage.busy_lanes += u64::from((process.tracking() | tentative).count());
+            usage.tentative_collisions += u64::from(deciding);
+            process.collide(&mut rng);
+        }
+    }
+}
+
+/// The lowest `count` set bits of `bits`.
+#[inline(always)]
+fn lowest_bits(mut bits: u32, count: usize) -> u32 {
+    while bits.count_ones() as usize > count {
+        bits &= !(1 << (31 - bits.leading_zeros()));
+    }
+    bits
+}
+
+/// For each lane, how many lanes below it are set.
+#[inline(always)]
+fn ranks(bits: u32) -> LaneWords {
+    const TABLE: [[u8; LANES]; 256] = {
+        let mut table = [[0; LANES]; 256];
+        let mut bits = 0;
+        while bits < 256 {
+            let mut lane = 0;
+            let mut rank = 0;
+            while lane < LANES {
+                table[bits][lane] = rank;
+                rank += (bits >> lane & 1) as u8;
+                lane += 1;
+            }
+            bits += 1;
+        }
+        table
+    };
+    LaneWords::new(TABLE[(bits & 0xff) as usize].map(u32::from))
+}
+
+/// Writes the results of the given lanes to the places of their rays.
+#[inline(always)]
+fn land(result: Lanes, lanes: u32, owners: LaneWords, results: &mut [f32]) {
+    let values = result.to_array();
+    let places = owners.to_array();
+    if lanes == 0xff && owners.consecutive() {
+        let first = places[0] as usize;
+        if let Some(all) = results.get_mut(first..first + LANES) {
+            all.copy_from_slice(&values);
+            return;
+        }
+    }
+    let mut rest = lanes;
+    while rest != 0 {
+        let lane = rest.trailing_zeros() as usize & (LANES - 1);
+        rest &= rest - 1;
+        if let Some(place) = results.get_mut(places[lane] as usize) {
+            *place = values[lane];
+        }
     }
 }
 
@@ -152,45 +273,84 @@ impl<M: Medium<Lanes>> Process for Flights<'_, M> {
         self.state.begin(self.medium, ray, t_max, rng, lanes);
     }
     #[inline(always)]
-    fn running(&self) -> LaneMask {
-        self.state.running()
+    fn tracking(&self) -> LaneMask {
+        self.state.tracking()
     }
     #[inline(always)]
-    fn step(&mut self, rng: &mut LaneStream) -> LaneMask {
-        self.state.step(self.medium, rng)
+    fn tentative(&self) -> LaneMask {
+        self.state.tentative()
+    }
+    #[inline(always)]
+    fn advance(&mut self) {
+        self.state.advance(self.medium);
+    }
+    #[inline(always)]
+    fn collide(&mut self, rng: &mut LaneStream) {
+        self.state.collide(self.medium, rng);
+    }
+    #[inline(always)]
+    fn result(&self) -> Lanes {
+        let flight = self.state.flight();
+        Lanes::select(flight.collided, flight.t, Lanes::splat(f32::INFINITY))
     }
 }
 
 /// One free flight by delta tracking for each ray of a bundle.
 ///
-/// * `flights`: as many as rays; a shorter slice receives the first ones.
+/// * `flights`: the distance to each ray's collision, infinite if it flew beyond its length. As long as
+///   the bundle; a shorter slice receives the first ones.
 ///
 /// The result of a ray is that of [`woodcock_core::free_flight::delta::sample`] with its key, bit by bit.
 pub fn free_flights<M: Medium<Lanes>>(
     medium: &M,
-    rays: &[BundleRay],
+    bundle: &Bundle,
     schedule: Schedule,
-    flights: &mut [BundleFlight],
+    flights: &mut [f32],
 ) -> Usage {
     let mut process = Flights {
         medium,
         state: Delta::idle(medium),
     };
-    run(&mut process, rays, schedule, |process, lane, index| {
-        let flight = process.state.flight();
-        if let Some(place) = flights.get_mut(index) {
-            *place = BundleFlight {
-                t: flight.t.lane(lane),
-                collided: flight.collided.lane(lane),
-            };
-        }
-    })
+    run(&mut process, bundle, schedule, flights)
+}
+
+/// One free flight in closed form for each ray of a bundle, in a homogeneous medium.
+///
+/// * `flights`: as of [`free_flights`].
+///
+/// The result of a ray is that of [`woodcock_core::free_flight::analytic::sample`] with its key.
+pub fn analytic_flights(medium: &Homogeneous, bundle: &Bundle, flights: &mut [f32]) -> Usage {
+    let group = |first: usize| {
+        let half = |i: usize| LaneWords::new(eight(&bundle.states[i], first));
+        // Every lane draws, the ones beyond the bundle too: their results go nowhere.
+        let all = LaneMask::splat(true);
+        let mut rng = LaneStream::default();
+        rng.set_states(half(0), half(1), all);
+        let t_max = Lanes::new(eight(&bundle.numbers[6], first));
+        let flight = analytic::sample(medium, t_max, &mut rng, all);
+        Lanes::select(flight.collided, flight.t, Lanes::splat(f32::INFINITY)).to_array()
+    };
+    let count = bundle.len().min(flights.len());
+    let (whole, rest) = flights[..count].as_chunks_mut::<LANES>();
+    let mut first = 0;
+    for out in whole {
+        *out = group(first);
+        first += LANES;
+    }
+    for (place, t) in rest.iter_mut().zip(group(first)) {
+        *place = t;
+    }
+    Usage {
+        steps: count.div_ceil(LANES) as u64,
+        busy_lanes: count as u64,
+        tentative_collisions: count as u64,
+    }
 }
 
 struct Weights<'a, M: Medium<Lanes>, U> {
     medium: &'a M,
     state: Estimate<Lanes, M::Walk>,
-    rule: core::marker::PhantomData<U>,
+    rule: PhantomData<U>,
 }
 
 impl<M: Medium<Lanes>, U: Rule> Process for Weights<'_, M, U> {
@@ -199,32 +359,40 @@ impl<M: Medium<Lanes>, U: Rule> Process for Weights<'_, M, U> {
         self.state.begin(self.medium, ray, t_max, rng, lanes);
     }
     #[inline(always)]
-    fn running(&self) -> LaneMask {
-        self.state.running()
+    fn tracking(&self) -> LaneMask {
+        self.state.tracking()
     }
     #[inline(always)]
-    fn step(&mut self, rng: &mut LaneStream) -> LaneMask {
-        self.state.step::<M, U>(self.medium, rng)
+    fn tentative(&self) -> LaneMask {
+        self.state.tentative()
+    }
+    #[inline(always)]
+    fn advance(&mut self) {
+        self.state.advance(self.medium);
+    }
+    #[inline(always)]
+    fn collide(&mut self, rng: &mut LaneStream) {
+        self.state.collide::<M, U>(self.medium, rng);
+    }
+    #[inline(always)]
+    fn result(&self) -> Lanes {
+        self.state.weight()
     }
 }
 
 /// One estimate of transmittance under the rule `U` for each ray of a bundle.
 ///
-/// * `weights`: as many as rays; a shorter slice receives the first ones.
+/// * `weights`: one a ray. As long as the bundle; a shorter slice receives the first ones.
 pub fn transmittances<U: Rule, M: Medium<Lanes>>(
     medium: &M,
-    rays: &[BundleRay],
+    bundle: &Bundle,
     schedule: Schedule,
     weights: &mut [f32],
 ) -> Usage {
     let mut process = Weights::<M, U> {
         medium,
         state: Estimate::idle(medium),
-        rule: core::marker::PhantomData,
+        rule: PhantomData,
     };
-    run(&mut process, rays, schedule, |process, lane, index| {
-        if let Some(place) = weights.get_mut(index) {
-            *place = process.state.weight().lane(lane);
-        }
-    })
+    run(&mut process, bundle, schedule, weights)
 }

@@ -39,6 +39,12 @@ impl Lanes {
     pub fn to_array(self) -> [f32; LANES] {
         self.0.to_array()
     }
+    /// Lane i takes the number of lane `order[i]` < 8.
+    #[inline(always)]
+    pub(crate) fn permuted(self, order: LaneWords) -> Self {
+        let words: u32x8 = cast(self.0);
+        Self(cast(words.shuffle_wrapping(order.0)))
+    }
 }
 
 impl LaneWords {
@@ -51,6 +57,23 @@ impl LaneWords {
     #[inline(always)]
     pub fn to_array(self) -> [u32; LANES] {
         self.0.to_array()
+    }
+    /// Lane i takes the word of lane `order[i]` < 8.
+    #[inline(always)]
+    pub(crate) fn permuted(self, order: Self) -> Self {
+        Self(self.0.shuffle_wrapping(order.0))
+    }
+    /// `first` plus each lane's offset; places below 2³² only.
+    #[inline(always)]
+    pub(crate) fn places(first: usize, offset: Self) -> Self {
+        Self(u32x8::splat(first as u32) + offset.0)
+    }
+    /// Whether every lane is one more than the lane before it.
+    #[inline(always)]
+    pub(crate) fn consecutive(self) -> bool {
+        let first = u32x8::splat(self.to_array()[0]);
+        let steps = u32x8::new([0, 1, 2, 3, 4, 5, 6, 7]);
+        (first + steps).simd_eq(self.0).all()
     }
 }
 

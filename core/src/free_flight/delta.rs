@@ -34,10 +34,14 @@ pub fn is_real<R: Real, M: Medium<R>>(
 }
 
 /// Flights under way, one per lane.
+///
+/// A running flight is either *tracking* towards its next tentative collision, or *at* one. The two
+/// steps serve one kind each, in whatever order the caller likes.
 #[derive(Clone, Debug)]
 pub struct Delta<R: Real, W> {
     tracker: Tracker<R, W>,
-    running: R::Mask,
+    tracking: R::Mask,
+    tentative: R::Mask,
     collided: R::Mask,
 }
 
@@ -45,10 +49,12 @@ impl<R: Real, W: Clone> Delta<R, W> {
     /// No flight yet in any lane.
     #[inline(always)]
     pub fn idle<M: Medium<R, Walk = W>>(medium: &M) -> Self {
+        let none = R::Mask::splat(false);
         Self {
             tracker: Tracker::idle(medium.idle()),
-            running: R::Mask::splat(false),
-            collided: R::Mask::splat(false),
+            tracking: none,
+            tentative: none,
+            collided: none,
         }
     }
 
@@ -64,39 +70,44 @@ impl<R: Real, W: Clone> Delta<R, W> {
     ) {
         medium.begin(&mut self.tracker.walk, ray, active);
         self.tracker.begin(t_max, rng, active);
-        self.running = self.running | active;
+        self.tracking = self.tracking | active;
         self.collided = self.collided.and_not(active);
     }
 
-    /// Lanes whose flight has not ended.
+    /// Lanes on their way to a tentative collision.
     #[inline(always)]
-    pub fn running(&self) -> R::Mask {
-        self.running
+    pub fn tracking(&self) -> R::Mask {
+        self.tracking
     }
 
-    /// One advance of every running lane; then, where it met a tentative collision, its decision.
-    /// Returns the lanes that met one.
+    /// Lanes at a tentative collision.
     #[inline(always)]
-    pub fn step<M: Medium<R, Walk = W>>(
-        &mut self,
-        medium: &M,
-        rng: &mut impl Stream<R>,
-    ) -> R::Mask {
-        let advance = self.tracker.advance(medium, self.running);
-        self.running = self.running.and_not(advance.left);
-        let tentative = advance.tentative;
-        if tentative.any() {
-            let majorant = self.tracker.majorant(medium);
-            let t = self.tracker.t();
-            let sigma_t = medium.sigma_t(&self.tracker.walk, t, rng, tentative);
-            let real = is_real::<R, M>(sigma_t, majorant, rng, tentative);
-            self.collided = self.collided | real;
-            self.running = self.running.and_not(real);
-            if !M::TIGHT {
-                self.tracker.redraw(rng, tentative.and_not(real));
-            }
+    pub fn tentative(&self) -> R::Mask {
+        self.tentative
+    }
+
+    /// Moves every tracking lane to its next tentative collision, its next segment, or out.
+    #[inline(always)]
+    pub fn advance<M: Medium<R, Walk = W>>(&mut self, medium: &M) {
+        let advance = self.tracker.advance(medium, self.tracking);
+        self.tracking = self.tracking.and_not(advance.left | advance.tentative);
+        self.tentative = self.tentative | advance.tentative;
+    }
+
+    /// Decides the tentative collisions.
+    #[inline(always)]
+    pub fn collide<M: Medium<R, Walk = W>>(&mut self, medium: &M, rng: &mut impl Stream<R>) {
+        let lanes = self.tentative;
+        let majorant = self.tracker.majorant(medium);
+        let sigma_t = medium.sigma_t(&self.tracker.walk, self.tracker.t(), rng, lanes);
+        let real = is_real::<R, M>(sigma_t, majorant, rng, lanes);
+        let null = lanes.and_not(real);
+        self.collided = self.collided | real;
+        self.tracking = self.tracking | null;
+        self.tentative = R::Mask::splat(false);
+        if !M::TIGHT {
+            self.tracker.redraw(rng, null);
         }
-        tentative
     }
 
     /// The flights so far.
@@ -126,8 +137,13 @@ pub fn sample<R: Real, M: Medium<R>>(
 ) -> Flight<R> {
     let mut state = Delta::idle(medium);
     state.begin(medium, ray, t_max, rng, active);
-    while state.running().any() {
-        state.step(medium, rng);
+    loop {
+        while state.tracking().any() {
+            state.advance(medium);
+        }
+        if !state.tentative().any() {
+            return state.flight();
+        }
+        state.collide(medium, rng);
     }
-    state.flight()
 }

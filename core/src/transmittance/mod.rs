@@ -40,11 +40,12 @@ pub trait Rule {
     ) -> R;
 }
 
-/// Estimates under way, one per lane.
+/// Estimates under way, one per lane; see [`crate::free_flight::delta::Delta`] for the two steps.
 #[derive(Clone, Debug)]
 pub struct Estimate<R: Real, W> {
     tracker: Tracker<R, W>,
-    running: R::Mask,
+    tracking: R::Mask,
+    tentative: R::Mask,
     weight: R,
 }
 
@@ -52,9 +53,11 @@ impl<R: Real, W: Clone> Estimate<R, W> {
     /// No estimate yet in any lane.
     #[inline(always)]
     pub fn idle<M: Medium<R, Walk = W>>(medium: &M) -> Self {
+        let none = R::Mask::splat(false);
         Self {
             tracker: Tracker::idle(medium.idle()),
-            running: R::Mask::splat(false),
+            tracking: none,
+            tentative: none,
             weight: R::zero(),
         }
     }
@@ -72,39 +75,47 @@ impl<R: Real, W: Clone> Estimate<R, W> {
         medium.begin(&mut self.tracker.walk, ray, active);
         self.tracker.begin(t_max, rng, active);
         self.weight = R::select(active, R::one(), self.weight);
-        self.running = self.running | active;
+        self.tracking = self.tracking | active;
     }
 
-    /// Lanes whose estimate is not complete.
+    /// Lanes on their way to a tentative collision.
     #[inline(always)]
-    pub fn running(&self) -> R::Mask {
-        self.running
+    pub fn tracking(&self) -> R::Mask {
+        self.tracking
     }
 
-    /// One advance of every running lane, and the rule where it met a tentative collision. Returns
-    /// the lanes that met one.
+    /// Lanes at a tentative collision.
     #[inline(always)]
-    pub fn step<M: Medium<R, Walk = W>, U: Rule>(
+    pub fn tentative(&self) -> R::Mask {
+        self.tentative
+    }
+
+    /// Moves every tracking lane to its next tentative collision, its next segment, or out.
+    #[inline(always)]
+    pub fn advance<M: Medium<R, Walk = W>>(&mut self, medium: &M) {
+        let advance = self.tracker.advance(medium, self.tracking);
+        self.tracking = self.tracking.and_not(advance.left | advance.tentative);
+        self.tentative = self.tentative | advance.tentative;
+    }
+
+    /// Applies the rule to the tentative collisions; a weight of zero completes its estimate.
+    #[inline(always)]
+    pub fn collide<M: Medium<R, Walk = W>, U: Rule>(
         &mut self,
         medium: &M,
         rng: &mut impl Stream<R>,
-    ) -> R::Mask {
-        let advance = self.tracker.advance(medium, self.running);
-        self.running = self.running.and_not(advance.left);
-        let tentative = advance.tentative;
-        if tentative.any() {
-            let majorant = self.tracker.majorant(medium);
-            let t = self.tracker.t();
-            let sigma_t = medium.sigma_t(&self.tracker.walk, t, rng, tentative);
-            self.weight = U::collide::<R, M>(self.weight, sigma_t, majorant, rng, tentative);
-            let extinct = self.weight.eq(R::zero()) & tentative;
-            self.running = self.running.and_not(extinct);
-            self.tracker.redraw(rng, tentative.and_not(extinct));
-        }
-        tentative
+    ) {
+        let lanes = self.tentative;
+        let majorant = self.tracker.majorant(medium);
+        let sigma_t = medium.sigma_t(&self.tracker.walk, self.tracker.t(), rng, lanes);
+        self.weight = U::collide::<R, M>(self.weight, sigma_t, majorant, rng, lanes);
+        let onward = lanes.and_not(self.weight.eq(R::zero()));
+        self.tracking = self.tracking | onward;
+        self.tentative = R::Mask::splat(false);
+        self.tracker.redraw(rng, onward);
     }
 
-    /// The weights so far: complete estimates where a lane is not running.
+    /// The weights so far: complete estimates where a lane is neither tracking nor tentative.
     #[inline(always)]
     pub fn weight(&self) -> R {
         self.weight
@@ -122,8 +133,13 @@ fn estimate<R: Real, M: Medium<R>, U: Rule>(
 ) -> R {
     let mut state = Estimate::idle(medium);
     state.begin(medium, ray, t_max, rng, active);
-    while state.running().any() {
-        state.step::<M, U>(medium, rng);
+    loop {
+        while state.tracking().any() {
+            state.advance(medium);
+        }
+        if !state.tentative().any() {
+            return state.weight();
+        }
+        state.collide::<M, U>(medium, rng);
     }
-    state.weight()
 }
