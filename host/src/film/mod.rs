@@ -80,8 +80,8 @@ impl Window {
         self.pixels() == 0
     }
 
-    /// Row-major position of a pixel of the window.
-    const fn index(&self, x: u32, y: u32) -> usize {
+    /// Row-major position of a pixel inside the window.
+    pub const fn index(&self, x: u32, y: u32) -> usize {
         (y - self.y0) as usize * (self.x1 - self.x0) as usize + (x - self.x0) as usize
     }
 
