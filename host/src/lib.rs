@@ -4,5 +4,7 @@
 pub mod drive;
 pub mod film;
 pub mod image;
+pub mod output;
+pub mod report;
 pub mod scene;
 pub mod volume;
