@@ -101,7 +101,7 @@ impl std::fmt::Debug for Watch<'_> {
 /// Runs passes until the goal is met or something stops them.
 ///
 /// * `pass(film, samples)` adds the samples with these indices to every pixel, and calls [`Progress::advance`] as it goes.
-/// * At least one pass is made, unless the goal has no samples or the user interrupts before. A goal without samples and time runs
+/// * At least one pass is made, even if time or patience is up already, so that there is a picture. A goal without samples and time runs
 ///   up to the [capacity](sum::CAPACITY) of the film.
 ///
 /// Passes double in size, from one sample per pixel to about two million paths. As a time limit comes near, they shrink to what fits.
@@ -124,7 +124,7 @@ pub fn drive<E>(
         if done >= wanted {
             break Stopping::Samples;
         }
-        if (watch.interrupted)() {
+        if done > 0 && (watch.interrupted)() {
             break Stopping::Signal;
         }
         let mut count = u64::from(done.max(1)).min(largest) as u32;
@@ -282,7 +282,7 @@ mod tests {
         );
         contiguous(&passes, 0, 4);
         let (outcome, _) = run(16, goal, MS, 0);
-        assert_eq!(outcome.samples, 0..0);
+        assert_eq!(outcome.samples, 0..1, "there is always a picture");
     }
 
     #[test]
