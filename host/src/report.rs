@@ -24,9 +24,9 @@ pub struct Statistics {
     pub seed: u64,
     /// Samples per pixel that were traced.
     pub spp: u64,
-    /// Width of the rendered window [pixels].
+    /// Width of the rendered window, in pixels.
     pub width: u64,
-    /// Height of the rendered window [pixels].
+    /// Height of the rendered window, in pixels.
     pub height: u64,
     /// Reading files and building structures, wall clock.
     pub setup_seconds: f64,

@@ -235,7 +235,7 @@ mod tests {
     #[test]
     fn a_hair_of_variance_on_a_large_mean_survives() {
         // 2^20 ± 2^-3: the naive f64 sum of squares keeps 53 − 40 − 12 bits of this at 2^12 samples.
-        let (a, b) = (1_048_576.0_f32, 1_048_576.125);
+        let (a, b) = (1_048_576.0_f32, 1_048_576.0 + 0.125);
         let p = pixel((0..4096).map(|i| if i % 2 == 0 { a } else { b }));
         let n = 4096.0_f64;
         let expected = 0.0625_f64.powi(2) / (n - 1.0);

@@ -10,8 +10,8 @@ use exr::meta::MetaData;
 use exr::meta::attribute::{AttributeValue as ExrValue, Chromaticities, SampleType};
 use exr::meta::header::{ImageAttributes, LayerAttributes};
 use exr::prelude::{
-    AnyChannel, AnyChannels, Compression, Encoding, FlatSamples, IntegerBounds, Layer, LineOrder,
-    ReadChannels, ReadLayers, Text, Vec2, WritableImage, read,
+    AnyChannel, AnyChannels, Blocks, Compression, Encoding, FlatSamples, IntegerBounds, Layer,
+    LineOrder, ReadChannels, ReadLayers, Text, Vec2, WritableImage, read,
 };
 use std::collections::BTreeMap;
 use std::io::{Read, Seek, SeekFrom, Write};
@@ -86,8 +86,8 @@ pub fn write(image: &Image, to: impl Write + Seek) -> Result<(), ExrError> {
     )?);
     let encoding = Encoding {
         compression: Compression::ZIP16,
+        blocks: Blocks::ScanLines,
         line_order: LineOrder::Increasing,
-        ..Encoding::default()
     };
     let layer = Layer::new(
         Vec2(width, height),
@@ -140,7 +140,7 @@ fn text(text: &str) -> Result<Text, ExrError> {
 /// Reads a flat image of one part: all channels as `f32` (half is exact, 32-bit integers are rounded), and the attributes of
 /// a type that [`AttributeValue`] has.
 ///
-/// Memory is checked against `max_memory` [bytes] before pixels are read. Errors: [`ExrError`]; the bytes may be anything.
+/// Memory is checked against `max_memory` bytes before pixels are read. Errors: [`ExrError`]; the bytes may be anything.
 /// A data window that does not start at or after the display window's corner cannot be placed and is an error.
 pub fn read_image(mut from: impl Read + Seek, max_memory: u64) -> Result<Image, ExrError> {
     let start = from.stream_position()?;
