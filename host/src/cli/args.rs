@@ -1,0 +1,293 @@
+//! The command line: DESIGN's flags, pbrt's spellings beside them.
+//!
+//! What a flag's name promises and this version cannot do is refused with a sentence, never ignored.
+
+use super::values::{self, Replay};
+use clap::error::ErrorKind;
+use clap::{Args, CommandFactory, Parser, Subcommand, ValueEnum};
+use std::ffi::OsString;
+use std::path::PathBuf;
+use std::time::Duration;
+
+/// A command, ready to run.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Command {
+    /// `woodcock render`, also `woodcock` alone.
+    Render(RenderArgs),
+    /// `woodcock explain`.
+    Explain(ExplainArgs),
+    /// `woodcock info`.
+    Info(InfoArgs),
+}
+
+#[derive(Debug, Parser)]
+#[command(
+    name = "woodcock",
+    version,
+    about = "Unbiased rendering of clouds, smoke and fog",
+    long_about = "Unbiased rendering of clouds, smoke and fog.\n\nWithout a command, woodcock renders: \
+        `woodcock scene.pbrt -o image.exr`. Without a scene it renders a cloud of its own.",
+    after_help = "Exit codes: 0 done; 1 scene or file error; 2 usage; 3 stopped early, with a valid partial image",
+    args_conflicts_with_subcommands = true
+)]
+struct Cli {
+    #[command(subcommand)]
+    command: Option<Sub>,
+    #[command(flatten)]
+    render: RenderArgs,
+}
+
+#[derive(Debug, Subcommand)]
+enum Sub {
+    /// Render a scene
+    Render(RenderArgs),
+    /// Say what a scene needs, what is skipped, and which kernel runs
+    Explain(ExplainArgs),
+    /// Describe a .vdb, .nvdb, .vol or .exr file
+    Info(InfoArgs),
+    // Names that are taken, so that they are not mistaken for scenes.
+    #[command(hide = true, disable_help_flag = true)]
+    Compare(Later),
+    #[command(hide = true, disable_help_flag = true)]
+    Bench(Later),
+    #[command(hide = true, disable_help_flag = true)]
+    Merge(Later),
+    #[command(hide = true, disable_help_flag = true)]
+    Farm(Later),
+}
+
+#[derive(Debug, Args)]
+struct Later {
+    #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+    _rest: Vec<OsString>,
+}
+
+/// Arguments of `render`; syntax, ranges and file kinds are checked, files are not touched.
+#[derive(Args, Clone, Debug, Default, PartialEq)]
+pub struct RenderArgs {
+    /// Scene in pbrt-v4's language; the built-in cloud if none is given
+    #[arg(value_name = "SCENE.pbrt")]
+    pub scene: Option<PathBuf>,
+    /// Image to write, .exr (linear, with variance) or .png (tone-mapped); may be given once for each
+    #[arg(short, long = "output", visible_alias = "outfile", value_name = "FILE")]
+    pub outputs: Vec<PathBuf>,
+    /// Samples per pixel
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(crate::film::sum::CAPACITY)))]
+    pub spp: Option<u32>,
+    /// Stop after this time, between whole passes
+    #[arg(long, value_name = "SECONDS", value_parser = values::seconds)]
+    pub time: Option<Duration>,
+    /// Seed of the random numbers
+    #[arg(long, value_name = "N")]
+    pub seed: Option<u64>,
+    /// Threads; 0 for all. The image does not depend on it
+    #[arg(short, long = "threads", visible_alias = "nthreads", value_name = "N")]
+    pub threads: Option<usize>,
+    /// Integrator: path
+    #[arg(long, value_name = "NAME", value_parser = integrator)]
+    pub integrator: Option<Integrator>,
+    /// Transmittance estimator; chosen by the scene if not given
+    #[arg(long, value_enum, value_name = "NAME")]
+    pub transmittance: Option<Transmittance>,
+    /// Eight lanes or one; the same bits
+    #[arg(long, value_enum, value_name = "NAME", default_value_t)]
+    pub kernel: Kernel,
+    /// Keep work that the scene does not need (see `explain`); may be repeated
+    #[arg(long, value_name = "FEATURE")]
+    pub keep: Vec<String>,
+    /// Size of the picture, in place of the scene's
+    #[arg(long, value_name = "WxH", value_parser = values::resolution)]
+    pub resolution: Option<[u32; 2]>,
+    /// Part of the picture to render, in fractions of it
+    #[arg(
+        long,
+        visible_alias = "cropwindow",
+        value_name = "X0,X1,Y0,Y1",
+        value_parser = values::crop,
+        allow_hyphen_values = true
+    )]
+    pub crop: Option<[f32; 4]>,
+    /// Most scatterings of a path; without it, no limit but the scene's
+    #[arg(long, value_name = "N")]
+    pub max_depth: Option<u32>,
+    /// Write statistics as JSON
+    #[arg(long, value_name = "FILE.json")]
+    pub stats: Option<PathBuf>,
+    /// Trace a single path again and tell its story; writes no image
+    #[arg(long, value_name = "X,Y,SAMPLE", value_parser = values::replay, conflicts_with_all = ["outputs", "stats", "spp", "time"])]
+    pub replay: Option<Replay>,
+    /// Most memory for volumes and film, with K, M, G or T
+    #[arg(long, value_name = "BYTES", value_parser = values::bytes)]
+    pub max_memory: Option<u64>,
+    /// Warn about what is not understood in the scene instead of stopping
+    #[arg(long)]
+    pub lenient: bool,
+    /// No progress
+    #[arg(short, long)]
+    pub quiet: bool,
+    /// Flags that are refused; nothing to read here
+    #[command(flatten)]
+    pub later: LaterFlags,
+}
+
+/// Flags of the design that do not work yet: known, so that the refusal can be clear.
+#[derive(Args, Clone, Debug, Default, PartialEq)]
+pub struct LaterFlags {
+    #[arg(long, hide = true, num_args = 1)]
+    target_error: Option<String>,
+    #[arg(long, hide = true, num_args = 1)]
+    shard: Option<String>,
+    #[arg(long, hide = true)]
+    resume: bool,
+    #[arg(long, hide = true, num_args = 1)]
+    display_server: Option<String>,
+}
+
+impl LaterFlags {
+    fn first(&self) -> Option<&'static str> {
+        [
+            (self.target_error.is_some(), "--target-error"),
+            (self.shard.is_some(), "--shard"),
+            (self.resume, "--resume"),
+            (self.display_server.is_some(), "--display-server"),
+        ]
+        .into_iter()
+        .find_map(|(given, name)| given.then_some(name))
+    }
+}
+
+/// Arguments of `explain`.
+#[derive(Args, Clone, Debug, Default, PartialEq)]
+pub struct ExplainArgs {
+    /// Scene in pbrt-v4's language; the built-in cloud if none is given
+    #[arg(value_name = "SCENE.pbrt")]
+    pub scene: Option<PathBuf>,
+    /// Most memory for volumes, with K, M, G or T
+    #[arg(long, value_name = "BYTES", value_parser = values::bytes)]
+    pub max_memory: Option<u64>,
+    /// Warn about what is not understood in the scene instead of stopping
+    #[arg(long)]
+    pub lenient: bool,
+}
+
+/// Arguments of `info`.
+#[derive(Args, Clone, Debug, Default, PartialEq)]
+pub struct InfoArgs {
+    /// A .vdb, .nvdb, .vol or .exr file
+    #[arg(value_name = "FILE")]
+    pub file: PathBuf,
+    /// Machine-readable
+    #[arg(long)]
+    pub json: bool,
+    /// This grid only
+    #[arg(long, value_name = "NAME")]
+    pub grid: Option<String>,
+    /// Trilinear value at a world point; may be repeated
+    #[arg(long, value_name = "X,Y,Z", value_parser = values::point, allow_hyphen_values = true)]
+    pub at: Vec<[f64; 3]>,
+    /// Exact line integral along a world segment; may be repeated
+    #[arg(long, value_name = "X0,Y0,Z0,X1,Y1,Z1", value_parser = values::segment, allow_hyphen_values = true)]
+    pub ray: Vec<[f64; 6]>,
+    /// Most memory, with K, M, G or T
+    #[arg(long, value_name = "BYTES", value_parser = values::bytes)]
+    pub max_memory: Option<u64>,
+}
+
+/// Integrators that work.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Integrator {
+    /// Volumetric path tracing with next-event estimation.
+    #[default]
+    Path,
+}
+
+impl Integrator {
+    /// Name on the command line and in reports.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Path => "path",
+        }
+    }
+}
+
+fn integrator(text: &str) -> Result<Integrator, String> {
+    match text {
+        "path" => Ok(Integrator::Path),
+        "bdpt" | "mlt" => Err("not yet supported; supported: path".to_owned()),
+        _ => Err("unknown; supported: path".to_owned()),
+    }
+}
+
+/// Transmittance estimators for shadow rays.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Transmittance {
+    /// Product of null-collision probabilities
+    Ratio,
+    /// Zero or one: did a delta-tracking flight get through
+    Delta,
+    /// Closed form, for media that have one
+    Closed,
+}
+
+impl Transmittance {
+    /// Name on the command line and in reports.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Ratio => "ratio",
+            Self::Delta => "delta",
+            Self::Closed => "closed",
+        }
+    }
+}
+
+/// How many lanes trace paths.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Kernel {
+    /// Eight lanes with refill
+    #[default]
+    Packet,
+    /// One lane: the same code, the same bits
+    Scalar,
+}
+
+impl Kernel {
+    /// Name on the command line and in reports.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Packet => "packet",
+            Self::Scalar => "scalar",
+        }
+    }
+}
+
+/// Parses a command line, program name first.
+///
+/// The error carries its own message and exit code: 2, or 0 for `--help` and `--version`.
+pub fn parse(args: impl IntoIterator<Item = OsString>) -> Result<Command, clap::Error> {
+    let cli = Cli::try_parse_from(args)?;
+    match cli.command {
+        None => render(cli.render),
+        Some(Sub::Render(args)) => render(args),
+        Some(Sub::Explain(args)) => Ok(Command::Explain(args)),
+        Some(Sub::Info(args)) => Ok(Command::Info(args)),
+        Some(Sub::Compare(_)) => Err(not_yet("compare")),
+        Some(Sub::Bench(_)) => Err(not_yet("bench")),
+        Some(Sub::Merge(_)) => Err(not_yet("merge")),
+        Some(Sub::Farm(_)) => Err(not_yet("farm")),
+    }
+}
+
+fn render(args: RenderArgs) -> Result<Command, clap::Error> {
+    if let Some(flag) = args.later.first() {
+        return Err(not_yet(flag));
+    }
+    if let Err(error) = crate::output::OutputFile::images(&args.outputs) {
+        return Err(Cli::command().error(ErrorKind::ValueValidation, error.to_string()));
+    }
+    Ok(Command::Render(args))
+}
+
+fn not_yet(what: &str) -> clap::Error {
+    let message = format!("{what} is not yet supported by this version");
+    Cli::command().error(ErrorKind::InvalidValue, message)
+}
