@@ -129,7 +129,12 @@ mod tests {
     fn constant_coefficients_are_exactly_grey() {
         let pairs = [(200.0, 0.3), (900.0, 0.3)];
         assert_eq!(coefficient(&Piecewise(&pairs)), [0.3; 3]);
-        let split = [(300.0, 0.3), (500.0, 0.3), (500.0001, 0.3), (800.0, 0.300_001)];
+        let split = [
+            (300.0, 0.3),
+            (500.0, 0.3),
+            (500.0001, 0.3),
+            (800.0, 0.300_001),
+        ];
         for channel in coefficient(&Piecewise(&split)) {
             assert!((channel - 0.3).abs() < 1e-5);
         }

@@ -85,7 +85,11 @@ impl Place {
 
     /// Line and column, both counted from 1; columns count characters.
     pub fn line_column(&self) -> (usize, usize) {
-        let cut = if self.line_start == 0 { self.source.cut } else { 0 };
+        let cut = if self.line_start == 0 {
+            self.source.cut
+        } else {
+            0
+        };
         let before = &self.source.bytes[self.line_start..self.start];
         (self.line, 1 + cut + count_chars(before))
     }
@@ -110,7 +114,11 @@ impl Place {
         let bytes = &self.source.bytes;
         let from = self.line_start.max(self.start.saturating_sub(2 * SHOWN));
         let to = self.line_end().min(self.start + 2 * SHOWN);
-        let cut = if self.line_start == 0 { self.source.cut } else { 0 };
+        let cut = if self.line_start == 0 {
+            self.source.cut
+        } else {
+            0
+        };
         let source = Arc::new(Source {
             name: self.source.name.clone(),
             bytes: bytes[from..to].to_vec(),
@@ -138,7 +146,13 @@ impl Place {
         let printable = |b: &[u8]| -> String {
             String::from_utf8_lossy(b)
                 .chars()
-                .map(|c| if c.is_control() && c != '\t' { '\u{fffd}' } else { c })
+                .map(|c| {
+                    if c.is_control() && c != '\t' {
+                        '\u{fffd}'
+                    } else {
+                        c
+                    }
+                })
                 .collect()
         };
         let text = printable(&bytes[from..to]);

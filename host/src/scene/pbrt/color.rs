@@ -24,7 +24,11 @@ impl Params {
         if spectrum.constant().is_none() {
             diagnostics.warn(projected(&param.valued));
         }
-        Ok(Some(clamped(color::coefficient(&spectrum), param, diagnostics)))
+        Ok(Some(clamped(
+            color::coefficient(&spectrum),
+            param,
+            diagnostics,
+        )))
     }
 
     /// The colour of emitted light. pbrt takes the level of an `rgb` as it is, and brings any other
@@ -68,7 +72,8 @@ fn projected(place: &Place) -> SceneError {
 
 fn clamped(colour: [f64; 3], param: &Param, diagnostics: &mut Diagnostics) -> [f64; 3] {
     if colour.iter().any(|c| *c < 0.0) {
-        let message = format!("outside of Rec. 709's gamut: {colour:?}; negative channels become 0");
+        let message =
+            format!("outside of Rec. 709's gamut: {colour:?}; negative channels become 0");
         diagnostics.warn(SceneError::at(&param.valued, message));
     }
     colour.map(|c| c.max(0.0))
@@ -94,7 +99,11 @@ fn single(param: &Param) -> Result<f64, SceneError> {
 fn triple(param: &Param) -> Result<[f64; 3], SceneError> {
     let values = numbers(param);
     let Ok(rgb) = <[f64; 3]>::try_from(values) else {
-        let message = format!("\"{}\" takes one rgb, found {}", param.name, values.len() / 3);
+        let message = format!(
+            "\"{}\" takes one rgb, found {}",
+            param.name,
+            values.len() / 3
+        );
         return Err(SceneError::at(&param.valued, message));
     };
     not_negative(param, &rgb)?;
@@ -104,7 +113,10 @@ fn triple(param: &Param) -> Result<[f64; 3], SceneError> {
 fn not_negative(param: &Param, values: &[f64]) -> Result<(), SceneError> {
     match values.iter().position(|v| *v < 0.0) {
         Some(i) => {
-            let message = format!("\"{}\" must not be negative, found {}", param.name, values[i]);
+            let message = format!(
+                "\"{}\" must not be negative, found {}",
+                param.name, values[i]
+            );
             Err(SceneError::at(&param.nth(i), message))
         }
         None => Ok(()),
@@ -121,8 +133,9 @@ fn pairs(param: &Param) -> Result<Vec<(f64, f64)>, SceneError> {
         && let Some(text) = strings.first()
     {
         let message = format!("named spectrum \"{}\" is not yet supported", text.text);
-        return Err(SceneError::at(&text.place, message)
-            .help("supported are pairs of wavelength and value, rgb, and stdillum-D65 for lights"));
+        return Err(SceneError::at(&text.place, message).help(
+            "supported are pairs of wavelength and value, rgb, and stdillum-D65 for lights",
+        ));
     }
     let values = numbers(param);
     if values.is_empty() {
@@ -137,7 +150,10 @@ fn pairs(param: &Param) -> Result<Vec<(f64, f64)>, SceneError> {
         }
     }
     if let Some(i) = pairs.iter().position(|pair| pair[1] < 0.0) {
-        let message = format!("\"{}\" must not be negative, found {}", param.name, pairs[i][1]);
+        let message = format!(
+            "\"{}\" must not be negative, found {}",
+            param.name, pairs[i][1]
+        );
         return Err(SceneError::at(&param.nth(2 * i + 1), message));
     }
     Ok(pairs.iter().map(|&[at, value]| (at, value)).collect())

@@ -14,13 +14,46 @@ use super::suggest::nearest;
 
 /// Every directive of the language, for "did you mean".
 const DIRECTIVES: [&str; 40] = [
-    "Accelerator", "ActiveTransform", "AreaLightSource", "Attribute", "AttributeBegin",
-    "AttributeEnd", "Camera", "ColorSpace", "ConcatTransform", "CoordSysTransform",
-    "CoordinateSystem", "Film", "Identity", "Import", "Include", "Integrator", "LightSource",
-    "LookAt", "MakeNamedMaterial", "MakeNamedMedium", "Material", "MediumInterface",
-    "NamedMaterial", "ObjectBegin", "ObjectEnd", "ObjectInstance", "Option", "PixelFilter",
-    "ReverseOrientation", "Rotate", "Sampler", "Scale", "Shape", "Texture", "Transform",
-    "TransformBegin", "TransformEnd", "TransformTimes", "Translate", "WorldBegin",
+    "Accelerator",
+    "ActiveTransform",
+    "AreaLightSource",
+    "Attribute",
+    "AttributeBegin",
+    "AttributeEnd",
+    "Camera",
+    "ColorSpace",
+    "ConcatTransform",
+    "CoordSysTransform",
+    "CoordinateSystem",
+    "Film",
+    "Identity",
+    "Import",
+    "Include",
+    "Integrator",
+    "LightSource",
+    "LookAt",
+    "MakeNamedMaterial",
+    "MakeNamedMedium",
+    "Material",
+    "MediumInterface",
+    "NamedMaterial",
+    "ObjectBegin",
+    "ObjectEnd",
+    "ObjectInstance",
+    "Option",
+    "PixelFilter",
+    "ReverseOrientation",
+    "Rotate",
+    "Sampler",
+    "Scale",
+    "Shape",
+    "Texture",
+    "Transform",
+    "TransformBegin",
+    "TransformEnd",
+    "TransformTimes",
+    "Translate",
+    "WorldBegin",
 ];
 
 /// Most states saved at once; each takes a few hundred bytes at worst.
@@ -236,7 +269,10 @@ impl Reader<'_> {
                 let [degrees, x, y, z] = self.numbers::<4>(at)?;
                 let axis = DVec3::new(x, y, z);
                 if !(axis.length() > 0.0 && axis.length().is_finite()) {
-                    return Err(SceneError::at(place, "the axis of a rotation must not be zero"));
+                    return Err(SceneError::at(
+                        place,
+                        "the axis of a rotation must not be zero",
+                    ));
                 }
                 let by = rotation(degrees, axis);
                 self.state_mut().change(place, |m| m * by)
@@ -308,7 +344,11 @@ impl Reader<'_> {
             return Ok(());
         }
         let known = ["aces2065-1", "dci-p3", "rec2020"].contains(&name.as_str());
-        let what = if known { "is not yet supported" } else { "is unknown" };
+        let what = if known {
+            "is not yet supported"
+        } else {
+            "is unknown"
+        };
         let error = SceneError::at(&place, format!("colour space \"{name}\" {what}"));
         self.diagnostics.refuse(error.help("supported is \"srgb\""))
     }
@@ -320,9 +360,7 @@ impl Reader<'_> {
         let inside = named(self.string(at, "a medium's name")?);
         let second = self.lexer(at.file).peek()?;
         let outside = match second {
-            Some(token) if token.kind == Kind::String => {
-                named(self.string(at, "a medium's name")?)
-            }
+            Some(token) if token.kind == Kind::String => named(self.string(at, "a medium's name")?),
             _ => inside.clone(),
         };
         let state = self.state_mut();
@@ -347,15 +385,24 @@ impl Reader<'_> {
         state.transforms = [DMat4::IDENTITY; 2];
         state.active = [true; 2];
         let transforms = state.transforms;
-        self.coordinate_systems.insert("world".to_owned(), transforms);
+        self.coordinate_systems
+            .insert("world".to_owned(), transforms);
         Ok(())
     }
 
     pub(super) fn attribute_begin(&mut self, at: &At, object: bool) -> Result<(), SceneError> {
-        self.world_only(at, if object { "ObjectBegin" } else { "AttributeBegin" })?;
+        self.world_only(
+            at,
+            if object {
+                "ObjectBegin"
+            } else {
+                "AttributeBegin"
+            },
+        )?;
         if self.saved.len() == DEEPEST {
             return Err(SceneError::at(&at.place, "blocks are nested too deep"));
         }
+        self.objects += usize::from(object);
         self.saved.push(Saved {
             state: Arc::clone(&self.state),
             place: at.place.clone(),
@@ -382,6 +429,7 @@ impl Reader<'_> {
             let message = format!("{name}End does not match the block that is open");
             return Err(SceneError::at(&at.place, message).note(&saved.place, "opened here"));
         }
+        self.objects -= usize::from(object);
         self.state = saved.state;
         Ok(())
     }

@@ -51,7 +51,11 @@ impl Lexer {
             let message = "the file is UTF-16; a scene must be UTF-8";
             return Err(SceneError::of_file(source.name(), message));
         }
-        let at = if bytes.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 };
+        let at = if bytes.starts_with(b"\xef\xbb\xbf") {
+            3
+        } else {
+            0
+        };
         Ok(Self {
             source,
             at,
@@ -91,7 +95,12 @@ impl Lexer {
 
     /// Place from the first byte of one token to the last of another.
     pub(super) fn joined(&self, first: &Token, last: &Token) -> Place {
-        let Token { start, line, line_start, .. } = *first;
+        let Token {
+            start,
+            line,
+            line_start,
+            ..
+        } = *first;
         Place::on_line(&self.source, start, last.end, line, line_start)
     }
 
@@ -203,7 +212,8 @@ impl Lexer {
             b']' => (Kind::Close, 1),
             b'"' => (Kind::String, self.string(rest)?),
             _ => {
-                let ends = |b| matches!(b, b' ' | b'\n' | b'\t' | b'\r' | b'"' | b'[' | b']' | b'#');
+                let ends =
+                    |b| matches!(b, b' ' | b'\n' | b'\t' | b'\r' | b'"' | b'[' | b']' | b'#');
                 (Kind::Word, length(rest, ends))
             }
         };
@@ -225,10 +235,19 @@ impl Lexer {
                 Some(b'"') => return Ok(i + 1),
                 Some(b'\\') if !matches!(rest.get(i + 1), None | Some(b'\n')) => i += 2,
                 Some(b'\n') | None => {
-                    let len = if rest.get(i - 1) == Some(&b'\r') { i - 1 } else { i };
+                    let len = if rest.get(i - 1) == Some(&b'\r') {
+                        i - 1
+                    } else {
+                        i
+                    };
                     let start = self.at;
-                    let place =
-                        Place::on_line(&self.source, start, start + len, self.line, self.line_start);
+                    let place = Place::on_line(
+                        &self.source,
+                        start,
+                        start + len,
+                        self.line,
+                        self.line_start,
+                    );
                     return Err(SceneError::at(&place, "this string has no closing quote")
                         .help("a string ends on the line that it begins on"));
                 }
@@ -266,12 +285,27 @@ mod tests {
 
     #[test]
     fn numbers_are_finite() {
-        for (text, value) in [("7", 7.0), ("-1", -1.0), (".5", 0.5), ("5.", 5.0), ("+2e-3", 2e-3)] {
+        for (text, value) in [
+            ("7", 7.0),
+            ("-1", -1.0),
+            (".5", 0.5),
+            ("5.", 5.0),
+            ("+2e-3", 2e-3),
+        ] {
             let mut lexer = lexer(text.as_bytes());
             let token = lexer.next().expect("lexes").expect("a token");
             assert_eq!(lexer.number(&token).expect("a number"), value);
         }
-        for text in ["nan", "inf", "-infinity", "1e999", "1.2.3", "0x10", "\"1\"", "["] {
+        for text in [
+            "nan",
+            "inf",
+            "-infinity",
+            "1e999",
+            "1.2.3",
+            "0x10",
+            "\"1\"",
+            "[",
+        ] {
             let mut lexer = lexer(text.as_bytes());
             let token = lexer.next().expect("lexes").expect("a token");
             assert!(lexer.number(&token).is_err(), "{text}");

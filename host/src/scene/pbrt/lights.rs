@@ -14,8 +14,15 @@ use super::reader::Reader;
 use super::state::affine;
 use super::suggest::nearest;
 
-const NAMES: [&str; 7] =
-    ["distant", "goniometric", "infinite", "point", "projection", "spot", "diffuse"];
+const NAMES: [&str; 7] = [
+    "distant",
+    "goniometric",
+    "infinite",
+    "point",
+    "projection",
+    "spot",
+    "diffuse",
+];
 
 impl Reader<'_> {
     pub(super) fn light_source(&mut self, at: &At) -> Result<(), SceneError> {
@@ -27,7 +34,11 @@ impl Reader<'_> {
             "infinite" => self.infinite(at, &params),
             other => {
                 let known = NAMES.contains(&other) && other != "diffuse";
-                let what = if known { "is not yet supported" } else { "is unknown" };
+                let what = if known {
+                    "is not yet supported"
+                } else {
+                    "is unknown"
+                };
                 let error = SceneError::at(&place, format!("light source \"{other}\" {what}"));
                 let near = nearest(other, ["distant", "infinite"]).filter(|_| !known);
                 self.diagnostics.refuse(match near {
@@ -85,7 +96,11 @@ impl Reader<'_> {
         self.world_only(at, "AreaLightSource")?;
         let inherited = self.state.inherited.light.clone();
         let (ty, place, _) = self.typed(at, "AreaLightSource", inherited)?;
-        let what = if ty == "diffuse" { "is not yet supported" } else { "is unknown" };
+        let what = if ty == "diffuse" {
+            "is not yet supported"
+        } else {
+            "is unknown"
+        };
         self.diagnostics.refuse(
             SceneError::at(&place, format!("area light \"{ty}\" {what}"))
                 .help("supported are LightSource distant and infinite"),
@@ -106,12 +121,17 @@ fn emitted(
     diagnostics: &mut Diagnostics,
 ) -> Result<[f64; 3], SceneError> {
     let colour = params.emission("L", diagnostics)?.unwrap_or([1.0; 3]);
-    let scale = params.float("scale", "0 or more", |v| v >= 0.0)?.unwrap_or(1.0);
+    let scale = params
+        .float("scale", "0 or more", |v| v >= 0.0)?
+        .unwrap_or(1.0);
     let emitted = colour.map(|c| c * scale * level);
     // Rendering is in f32.
     if emitted.iter().all(|c| (*c as f32).is_finite()) {
         return Ok(emitted);
     }
     let place: &Place = params.place();
-    Err(SceneError::at(place, format!("this light is too bright: {emitted:?}")))
+    Err(SceneError::at(
+        place,
+        format!("this light is too bright: {emitted:?}"),
+    ))
 }

@@ -20,7 +20,10 @@ impl Reader<'_> {
         let inherited = self.state.inherited.medium.clone();
         let mut params = self.params(at, format!("medium \"{name}\""), inherited)?;
         if name.is_empty() {
-            return Err(SceneError::at(&place, "a medium needs a name; \"\" means vacuum"));
+            return Err(SceneError::at(
+                &place,
+                "a medium needs a name; \"\" means vacuum",
+            ));
         }
         if let Some((_, older)) = self.world.medium_names.get(&name) {
             let message = format!("medium \"{name}\" is defined twice");
@@ -54,7 +57,11 @@ impl Reader<'_> {
             "openvdb" => self.openvdb(params)?,
             other => {
                 let later = ["cloud", "nanovdb", "rgbgrid", "vol"];
-                let what = if later.contains(&other) { "is not yet supported" } else { "is unknown" };
+                let what = if later.contains(&other) {
+                    "is not yet supported"
+                } else {
+                    "is unknown"
+                };
                 let error = SceneError::at(&ty.place, format!("medium type \"{other}\" {what}"));
                 let near = nearest(other, ["homogeneous", "uniformgrid", "openvdb"]);
                 let error = match near.filter(|_| !later.contains(&other)) {
@@ -65,7 +72,9 @@ impl Reader<'_> {
                 return Ok(None);
             }
         };
-        let scale = params.float("scale", "0 or more", |v| v >= 0.0)?.unwrap_or(1.0);
+        let scale = params
+            .float("scale", "0 or more", |v| v >= 0.0)?
+            .unwrap_or(1.0);
         let diagnostics = &mut self.diagnostics;
         let sigma_a = coefficient(params, "sigma_a", scale, diagnostics)?;
         let sigma_s = coefficient(params, "sigma_s", scale, diagnostics)?;
@@ -102,7 +111,10 @@ impl Reader<'_> {
         };
         let expected = nx as u128 * ny as u128 * nz as u128;
         if expected * 4 > u128::from(self.limits.max_memory) {
-            let message = format!("a grid of {nx} x {ny} x {nz} voxels takes {} bytes", expected * 4);
+            let message = format!(
+                "a grid of {nx} x {ny} x {nz} voxels takes {} bytes",
+                expected * 4
+            );
             let limit = format!("the limit is {} bytes", self.limits.max_memory);
             return Err(SceneError::at(params.place(), message).help(limit));
         }
@@ -118,7 +130,11 @@ impl Reader<'_> {
             let rounded = value as f32;
             if !(rounded.is_finite() && value >= 0.0) {
                 let (x, y, z) = (i % nx, i / nx % ny, i / nx / ny);
-                let fault = if value < 0.0 { "negative" } else { "too large for f32" };
+                let fault = if value < 0.0 {
+                    "negative"
+                } else {
+                    "too large for f32"
+                };
                 let message =
                     format!("density value {i} is {fault}: {value} at voxel ({x}, {y}, {z})");
                 return Err(SceneError::at(&param.nth(i), message));
@@ -138,7 +154,12 @@ impl Reader<'_> {
             let message = "the box from p0 to p1 has no volume";
             return Err(SceneError::at(params.place(), message));
         }
-        for name in ["temperature", "temperaturescale", "temperatureoffset", "temperaturecutoff"] {
+        for name in [
+            "temperature",
+            "temperaturescale",
+            "temperatureoffset",
+            "temperaturecutoff",
+        ] {
             params.unsupported(name, "media do not emit light yet", &mut self.diagnostics)?;
         }
         Ok(MediumKind::UniformGrid(UniformGrid {
@@ -162,7 +183,12 @@ impl Reader<'_> {
         }
         let gridname = params.string("gridname")?;
         let gridname = gridname.map_or("density", |text| &text.text).to_owned();
-        for name in ["temperaturename", "temperaturescale", "temperatureoffset", "temperaturecutoff"] {
+        for name in [
+            "temperaturename",
+            "temperaturescale",
+            "temperatureoffset",
+            "temperaturecutoff",
+        ] {
             params.unsupported(name, "media do not emit light yet", &mut self.diagnostics)?;
         }
         params.ignore("Lescale", &[Type::Float])?;
@@ -197,8 +223,14 @@ fn coefficient(
 }
 
 fn phase(params: &Params, diagnostics: &mut Diagnostics) -> Result<Phase, SceneError> {
-    let g = params.float("g", "between -1 and 1", |g| g.abs() < 1.0)?.unwrap_or(0.0);
-    let hg = if g == 0.0 { Phase::Isotropic } else { Phase::HenyeyGreenstein { g } };
+    let g = params
+        .float("g", "between -1 and 1", |g| g.abs() < 1.0)?
+        .unwrap_or(0.0);
+    let hg = if g == 0.0 {
+        Phase::Isotropic
+    } else {
+        Phase::HenyeyGreenstein { g }
+    };
     let Some(text) = params.string("phase")? else {
         return Ok(hg);
     };
@@ -209,7 +241,11 @@ fn phase(params: &Params, diagnostics: &mut Diagnostics) -> Result<Phase, SceneE
         other => {
             let names = ["hg", "isotropic", "rayleigh"];
             let later = ["draine", "mie", "tabulated"].contains(&other);
-            let what = if later { "is not yet supported" } else { "is unknown" };
+            let what = if later {
+                "is not yet supported"
+            } else {
+                "is unknown"
+            };
             let error = SceneError::at(&text.place, format!("phase function \"{other}\" {what}"));
             diagnostics.refuse(match nearest(other, names).filter(|_| !later) {
                 Some(near) => error.help(format!("did you mean \"{near}\"?")),

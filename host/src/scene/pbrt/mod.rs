@@ -25,11 +25,7 @@ use std::path::Path;
 use super::{Files, Options, Scene, SceneError};
 
 /// See [`scene::read`](super::read).
-pub(super) fn read(
-    path: &Path,
-    files: &dyn Files,
-    options: &Options,
-) -> Result<Scene, SceneError> {
+pub(super) fn read(path: &Path, files: &dyn Files, options: &Options) -> Result<Scene, SceneError> {
     let mut reader = reader::Reader::new(path, files, *options);
     reader.open_main(path)?;
     reader.run()?;

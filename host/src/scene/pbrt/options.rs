@@ -45,7 +45,13 @@ impl Reader<'_> {
     }
 
     /// Whether `ty` is among the names that pbrt knows; if not, that is refused.
-    fn known(&mut self, what: &str, ty: &str, place: &Place, names: &[&str]) -> Result<bool, SceneError> {
+    fn known(
+        &mut self,
+        what: &str,
+        ty: &str,
+        place: &Place,
+        names: &[&str],
+    ) -> Result<bool, SceneError> {
         if names.contains(&ty) {
             return Ok(true);
         }
@@ -58,7 +64,13 @@ impl Reader<'_> {
         Ok(false)
     }
 
-    fn camera(&mut self, at: &At, ty: String, place: &Place, params: Params) -> Result<(), SceneError> {
+    fn camera(
+        &mut self,
+        at: &At,
+        ty: String,
+        place: &Place,
+        params: Params,
+    ) -> Result<(), SceneError> {
         let names = ["perspective", "orthographic", "realistic", "spherical"];
         let mut ty = ty;
         if !self.known("camera", &ty, place, &names)? {
@@ -103,27 +115,30 @@ impl Reader<'_> {
         let filename = params
             .string("filename")?
             .map_or_else(|| "pbrt.exr".to_owned(), |text| text.text.clone());
-        let iso = params.float("iso", "positive", |v| v > 0.0)?.unwrap_or(100.0);
-        for (name, types) in [
-            ("diagonal", [Type::Float]),
-            ("savefp16", [Type::Bool]),
-        ] {
+        let iso = params
+            .float("iso", "positive", |v| v > 0.0)?
+            .unwrap_or(100.0);
+        for (name, types) in [("diagonal", [Type::Float]), ("savefp16", [Type::Bool])] {
             params.ignore(name, &types)?;
         }
         let sensor = params.string("sensor")?;
         if let Some(sensor) = sensor.filter(|s| s.text != "cie1931") {
             let message = format!("sensor \"{}\" is not yet supported", sensor.text);
-            self.diagnostics.refuse(
-                SceneError::at(&sensor.place, message).help("supported is \"cie1931\""),
-            )?;
+            self.diagnostics
+                .refuse(SceneError::at(&sensor.place, message).help("supported is \"cie1931\""))?;
         }
-        if params.float("whitebalance", "a temperature", |_| true)?.unwrap_or(0.0) != 0.0 {
+        if params
+            .float("whitebalance", "a temperature", |_| true)?
+            .unwrap_or(0.0)
+            != 0.0
+        {
             let instead = "the image is linear Rec. 709 as rendered";
             params.unsupported("whitebalance", instead, &mut self.diagnostics)?;
         }
         if let Some(param) = params.find("maxcomponentvalue", &[Type::Float])? {
             let message = "\"maxcomponentvalue\" is ignored: clamping samples would bias the image";
-            self.diagnostics.warn(SceneError::at(&param.declared, message));
+            self.diagnostics
+                .warn(SceneError::at(&param.declared, message));
         }
         if ty == "rgb" {
             params.finish(&mut self.diagnostics)?;
@@ -141,21 +156,28 @@ impl Reader<'_> {
 
     fn sampler(&mut self, ty: &str, place: &Place, params: &Params) -> Result<(), SceneError> {
         let names = [
-            "halton", "independent", "paddedsobol", "pmj02bn", "sobol", "stratified", "zsobol",
+            "halton",
+            "independent",
+            "paddedsobol",
+            "pmj02bn",
+            "sobol",
+            "stratified",
+            "zsobol",
         ];
         self.known("sampler", ty, place, &names)?;
         let count = |name| params.integer(name, "at least 1", |n| n >= 1);
-        self.world.samples_per_pixel = if ty == "stratified" {
-            params.ignore("jitter", &[Type::Bool])?;
-            let x = count("xsamples")?.unwrap_or(4);
-            let samples = x * count("ysamples")?.unwrap_or(4);
-            Some(u32::try_from(samples).map_err(|_| {
-                SceneError::at(params.place(), "more than 2^32 samples per pixel")
-            })?)
-        } else {
-            params.ignore("randomization", &[Type::String])?;
-            count("pixelsamples")?.map(|n| n as u32)
-        };
+        self.world.samples_per_pixel =
+            if ty == "stratified" {
+                params.ignore("jitter", &[Type::Bool])?;
+                let x = count("xsamples")?.unwrap_or(4);
+                let samples = x * count("ysamples")?.unwrap_or(4);
+                Some(u32::try_from(samples).map_err(|_| {
+                    SceneError::at(params.place(), "more than 2^32 samples per pixel")
+                })?)
+            } else {
+                params.ignore("randomization", &[Type::String])?;
+                count("pixelsamples")?.map(|n| n as u32)
+            };
         if let Some(seed) = params.integer("seed", "an integer", |_| true)? {
             self.world.seed = Some(seed as u64);
         }
@@ -168,9 +190,14 @@ impl Reader<'_> {
         for name in ["xradius", "yradius", "B", "C", "sigma", "tau"] {
             params.ignore(name, &[Type::Float])?;
         }
-        let wide = |name| Ok(params.float(name, "positive", |v| v > 0.0)?.is_some_and(|r| r != 0.5));
+        let wide = |name| {
+            Ok(params
+                .float(name, "positive", |v| v > 0.0)?
+                .is_some_and(|r| r != 0.5))
+        };
         if ty != "box" || wide("xradius")? || wide("yradius")? {
-            let message = format!("the \"{ty}\" pixel filter asked for is replaced by a box of one pixel");
+            let message =
+                format!("the \"{ty}\" pixel filter asked for is replaced by a box of one pixel");
             self.diagnostics.warn(SceneError::at(place, message));
         }
         params.finish(&mut self.diagnostics)
@@ -178,8 +205,17 @@ impl Reader<'_> {
 
     fn integrator(&mut self, ty: &str, place: &Place, params: &Params) -> Result<(), SceneError> {
         let names = [
-            "ambientocclusion", "bdpt", "function", "lightpath", "mlt", "path", "randomwalk",
-            "simplepath", "simplevolpath", "sppm", "volpath",
+            "ambientocclusion",
+            "bdpt",
+            "function",
+            "lightpath",
+            "mlt",
+            "path",
+            "randomwalk",
+            "simplepath",
+            "simplevolpath",
+            "sppm",
+            "volpath",
         ];
         let ours = ["volpath", "simplevolpath", "path"].contains(&ty);
         if self.known("integrator", ty, place, &names)? && !ours {
@@ -189,7 +225,8 @@ impl Reader<'_> {
             )?;
         }
         if ty == "path" {
-            let message = "pbrt's \"path\" ignores media; here they are rendered, as by \"volpath\"";
+            let message =
+                "pbrt's \"path\" ignores media; here they are rendered, as by \"volpath\"";
             self.diagnostics.warn(SceneError::at(place, message));
         }
         let depth = params.integer("maxdepth", "0 or more", |n| n >= 0)?;
@@ -212,7 +249,13 @@ impl Reader<'_> {
         self.known("accelerator", ty, place, &["bvh", "kdtree"])?;
         params.ignore("splitmethod", &[Type::String])?;
         params.ignore("emptybonus", &[Type::Float])?;
-        for name in ["maxnodeprims", "intersectcost", "traversalcost", "maxprims", "maxdepth"] {
+        for name in [
+            "maxnodeprims",
+            "intersectcost",
+            "traversalcost",
+            "maxprims",
+            "maxdepth",
+        ] {
             params.ignore(name, &[Type::Integer])?;
         }
         params.finish(&mut self.diagnostics)
@@ -221,9 +264,18 @@ impl Reader<'_> {
     /// `Option "name" value`.
     pub(super) fn option(&mut self, at: &At) -> Result<(), SceneError> {
         const NAMES: [&str; 12] = [
-            "disablepixeljitter", "disabletexturefiltering", "disablewavelengthjitter",
-            "displacementedgescale", "forcediffuse", "msereferenceimage", "msereferenceout",
-            "pixelstats", "rendercoordsys", "seed", "wavefront", "quiet",
+            "disablepixeljitter",
+            "disabletexturefiltering",
+            "disablewavelengthjitter",
+            "displacementedgescale",
+            "forcediffuse",
+            "msereferenceimage",
+            "msereferenceout",
+            "pixelstats",
+            "rendercoordsys",
+            "seed",
+            "wavefront",
+            "quiet",
         ];
         let (written, place) = self.string(at, "an option's name")?;
         // As pbrt compares them.
@@ -270,7 +322,12 @@ impl Reader<'_> {
 fn crop(params: &Params, width: u32, height: u32) -> Result<PixelBounds, SceneError> {
     let window = params.four("cropwindow", Type::Float)?;
     let pixels = params.four("pixelbounds", Type::Integer)?;
-    let full = PixelBounds { x0: 0, x1: width, y0: 0, y1: height };
+    let full = PixelBounds {
+        x0: 0,
+        x1: width,
+        y0: 0,
+        y1: height,
+    };
     let (bounds, place) = match (window, pixels) {
         (None, None) => return Ok(full),
         (Some((_, place)), Some(_)) => {
@@ -335,7 +392,12 @@ impl CameraDraft {
                     let message = "the screen window is empty";
                     return Err(SceneError::at(&place, message).help("the order is x0 x1 y0 y1"));
                 }
-                ScreenWindow { x_min, x_max, y_min, y_max }
+                ScreenWindow {
+                    x_min,
+                    x_max,
+                    y_min,
+                    y_max,
+                }
             }
         };
         let projection = if self.ty == "orthographic" {
@@ -344,7 +406,9 @@ impl CameraDraft {
             let range = "between 0 and 180 degrees";
             let fov = params.float("fov", range, |v| v > 0.0 && v < 180.0)?;
             let half = params.float("halffov", "below 90 degrees", |v| v < 90.0)?;
-            let fov = half.filter(|h| *h > 0.0).map_or(fov.unwrap_or(90.0), |h| 2.0 * h);
+            let fov = half
+                .filter(|h| *h > 0.0)
+                .map_or(fov.unwrap_or(90.0), |h| 2.0 * h);
             Projection::Perspective { fov }
         };
         params.finish(diagnostics)?;

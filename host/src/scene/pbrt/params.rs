@@ -151,7 +151,10 @@ impl Params {
             return Ok(value);
         }
         let Self { owner, .. } = self;
-        let message = format!("\"{}\" of {owner} must be {range}, found {value}", param.name);
+        let message = format!(
+            "\"{}\" of {owner} must be {range}, found {value}",
+            param.name
+        );
         Err(SceneError::at(&param.nth(0), message))
     }
 

@@ -55,6 +55,8 @@ pub(super) struct Reader<'a> {
     hash: u64,
     pub(super) state: Arc<State>,
     pub(super) saved: Vec<Saved>,
+    /// How many of the saved states are objects'.
+    pub(super) objects: usize,
     pub(super) coordinate_systems: HashMap<String, Transforms>,
     /// Whether `WorldBegin` has been seen.
     pub(super) in_world: bool,
@@ -75,6 +77,7 @@ impl<'a> Reader<'a> {
             hash: 0xcbf2_9ce4_8422_2325,
             state: Arc::default(),
             saved: Vec::new(),
+            objects: 0,
             coordinate_systems: HashMap::new(),
             in_world: false,
             diagnostics: Diagnostics::new(limits.lenient),
@@ -191,10 +194,7 @@ impl<'a> Reader<'a> {
     }
 
     /// The lexer of the file that a directive stands in, with the diagnostics beside it.
-    pub(super) fn lexer_and_diagnostics(
-        &mut self,
-        file: usize,
-    ) -> (&mut Lexer, &mut Diagnostics) {
+    pub(super) fn lexer_and_diagnostics(&mut self, file: usize) -> (&mut Lexer, &mut Diagnostics) {
         (&mut self.open[file].lexer, &mut self.diagnostics)
     }
 
@@ -257,7 +257,9 @@ impl Scene {
         self.film.place.iter_mut().for_each(&mut change);
         self.camera.place.iter_mut().for_each(&mut change);
         self.media.iter_mut().for_each(|m| change(&mut m.place));
-        self.boundaries.iter_mut().for_each(|b| change(&mut b.place));
+        self.boundaries
+            .iter_mut()
+            .for_each(|b| change(&mut b.place));
         for light in &mut self.lights {
             match light {
                 Light::Distant(light) => change(&mut light.place),

@@ -16,12 +16,31 @@ use super::world::ShapeDraft;
 
 const SUPPORTED: &str = "supported are sphere, trianglemesh and plymesh";
 const SHAPES: [&str; 8] = [
-    "bilinearmesh", "curve", "cylinder", "disk", "loopsubdiv", "plymesh", "sphere", "trianglemesh",
+    "bilinearmesh",
+    "curve",
+    "cylinder",
+    "disk",
+    "loopsubdiv",
+    "plymesh",
+    "sphere",
+    "trianglemesh",
 ];
 const MATERIALS: [&str; 15] = [
-    "coatedconductor", "coateddiffuse", "conductor", "dielectric", "diffuse",
-    "diffusetransmission", "hair", "interface", "measured", "mix", "subsurface",
-    "thindielectric", "debug", "uber", "none",
+    "coatedconductor",
+    "coateddiffuse",
+    "conductor",
+    "dielectric",
+    "diffuse",
+    "diffusetransmission",
+    "hair",
+    "interface",
+    "measured",
+    "mix",
+    "subsurface",
+    "thindielectric",
+    "debug",
+    "uber",
+    "none",
 ];
 
 impl Reader<'_> {
@@ -35,7 +54,11 @@ impl Reader<'_> {
             "plymesh" => self.ply_mesh(at, &params)?,
             other => {
                 let known = SHAPES.contains(&other);
-                let what = if known { "is not yet supported" } else { "is unknown" };
+                let what = if known {
+                    "is not yet supported"
+                } else {
+                    "is unknown"
+                };
                 let error = SceneError::at(&place, format!("shape \"{other}\" {what}"));
                 let near = nearest(other, SHAPES).filter(|_| !known);
                 self.diagnostics.refuse(match near {
@@ -50,7 +73,7 @@ impl Reader<'_> {
         };
         self.not_moving(&at.place)?;
         // Leniently skipped instances must not leave their definition behind.
-        if self.saved.iter().any(|saved| saved.object) {
+        if self.objects > 0 {
             return Ok(());
         }
         let state = &self.state;
@@ -66,12 +89,18 @@ impl Reader<'_> {
     }
 
     fn sphere(&mut self, at: &At, params: &Params) -> Result<Option<Shape>, SceneError> {
-        let radius = params.float("radius", "positive", |v| v > 0.0)?.unwrap_or(1.0);
+        let radius = params
+            .float("radius", "positive", |v| v > 0.0)?
+            .unwrap_or(1.0);
         let instead = "only full spheres are supported";
         let partial = [("zmin", -radius), ("zmax", radius), ("phimax", 360.0)];
         for (name, full) in partial {
             let value = params.float(name, "a number", |_| true)?.unwrap_or(full);
-            let cuts = if name == "zmin" { value > full } else { value < full };
+            let cuts = if name == "zmin" {
+                value > full
+            } else {
+                value < full
+            };
             if cuts {
                 params.unsupported(name, instead, &mut self.diagnostics)?;
             }
@@ -206,7 +235,11 @@ impl Reader<'_> {
             return Ok(Material::Interface);
         }
         let known = MATERIALS.contains(&ty);
-        let what = if known { "is not yet supported" } else { "is unknown" };
+        let what = if known {
+            "is not yet supported"
+        } else {
+            "is unknown"
+        };
         let error = SceneError::at(place, format!("material \"{ty}\" {what}"));
         let near = nearest(ty, MATERIALS).filter(|_| !known);
         self.diagnostics.refuse(match near {
@@ -260,9 +293,9 @@ impl Reader<'_> {
     pub(super) fn object_begin(&mut self, at: &At) -> Result<(), SceneError> {
         self.string(at, "an object's name")?;
         self.diagnostics.refuse(no_instances(&at.place))?;
-        if let Some(outer) = self.saved.iter().find(|saved| saved.object) {
+        if self.objects > 0 {
             let message = "objects cannot be defined within objects";
-            return Err(SceneError::at(&at.place, message).note(&outer.place, "this one is open"));
+            return Err(SceneError::at(&at.place, message));
         }
         self.attribute_begin(at, true)
     }

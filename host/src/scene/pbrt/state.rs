@@ -11,7 +11,7 @@ use super::param::Param;
 pub(super) type MediumName = Option<Arc<(String, Place)>>;
 
 /// What a shape would be made of.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub(super) enum Material {
     /// pbrt's default, `diffuse`.
     Default,
@@ -172,10 +172,8 @@ mod tests {
         let m = rotation(-90.0, DVec3::X);
         assert_eq!(m.transform_vector3(DVec3::Z), DVec3::Y);
         let m = rotation(30.0, DVec3::new(1.0, 2.0, 3.0));
-        let oracle = DMat4::from_axis_angle(
-            DVec3::new(1.0, 2.0, 3.0).normalize(),
-            30.0_f64.to_radians(),
-        );
+        let oracle =
+            DMat4::from_axis_angle(DVec3::new(1.0, 2.0, 3.0).normalize(), 30.0_f64.to_radians());
         assert!(m.abs_diff_eq(oracle, 1e-15));
     }
 

@@ -45,7 +45,12 @@ impl World {
         let mut film = self.film.unwrap_or(Film {
             width: 1280,
             height: 720,
-            crop: PixelBounds { x0: 0, x1: 1280, y0: 0, y1: 720 },
+            crop: PixelBounds {
+                x0: 0,
+                x1: 1280,
+                y0: 0,
+                y1: 720,
+            },
             filename: "pbrt.exr".to_owned(),
             imaging_ratio: 1.0,
             place: None,
@@ -71,7 +76,7 @@ impl World {
                 },
                 other => other.clone(),
             };
-            if material == Material::Default {
+            if matches!(material, Material::Default) {
                 let message = "this shape has pbrt's default material \"diffuse\", which is not yet supported";
                 diagnostics.refuse(
                     SceneError::at(&draft.place, message)
@@ -79,7 +84,7 @@ impl World {
                 )?;
             }
             // Leniently, a surface that is not understood still separates its media, or vanishes.
-            if material != Material::Interface && inside == outside {
+            if !matches!(material, Material::Interface) && inside == outside {
                 continue;
             }
             let (inside, outside) = if draft.reverse_orientation {
