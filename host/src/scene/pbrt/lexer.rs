@@ -65,10 +65,6 @@ impl Lexer {
         })
     }
 
-    pub(super) fn source(&self) -> &Arc<Source> {
-        &self.source
-    }
-
     /// The next token without taking it; `None` at the end.
     pub(super) fn peek(&mut self) -> Result<Option<Token>, SceneError> {
         if let Some(token) = self.peeked {
