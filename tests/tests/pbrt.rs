@@ -289,7 +289,6 @@ fn included_files_share_the_state_and_imported_ones_do_not() {
         .with("d/c.vdb", "")
         .with("d/t.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
             element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0 1 0 0 0 1 0 3 0 1 2\n")
-        // gzip of "# nothing\n", stored.
         .with("d/z.pbrt.gz", gzip(b"Shape \"sphere\" \"float radius\" 9\n"));
     let scene = match read(Path::new("d/s.pbrt"), &files, &Options::default()) {
         Ok(scene) => scene,

@@ -22,6 +22,13 @@ pub struct DiskFiles;
 
 impl Files for DiskFiles {
     fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
+        // A scene may name a device, and some of those never end.
+        if !std::fs::metadata(path)?.is_file() {
+            return Err(io::Error::new(
+                io::ErrorKind::InvalidInput,
+                "not a regular file",
+            ));
+        }
         std::fs::read(path)
     }
 
@@ -60,5 +67,19 @@ impl Files for MemoryFiles {
 
     fn exists(&self, path: &Path) -> bool {
         self.files.contains_key(path)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn folders_and_devices_are_not_read() {
+        let folder = std::env::temp_dir();
+        assert!(DiskFiles.read(&folder).is_err());
+        assert!(!DiskFiles.exists(&folder));
+        #[cfg(unix)]
+        assert!(DiskFiles.read(Path::new("/dev/zero")).is_err());
     }
 }

@@ -1,10 +1,11 @@
 //! pbrt-v4's scene language, read by recursive descent without the recursion.
 //!
 //! [`lexer`] cuts bytes into tokens, [`param`] reads parameter lists, [`reader`] keeps the stack of
-//! files, [`directive`] the grammar, [`state`] what attributes save; [`options`], [`media`],
-//! [`lights`] and [`shapes`] turn parameters into the parts of a scene. Facts about the language are
+//! files, [`directive`] the grammar, [`state`] what attributes save; [`options`], [`camera`],
+//! [`media`], [`lights`] and [`shapes`] turn parameters into the parts of a scene. Facts about the language are
 //! pbrt.org's "pbrt-v4 input file format", and where that is silent pbrt's own behaviour.
 
+mod camera;
 mod color;
 mod diagnostics;
 mod directive;
@@ -18,6 +19,7 @@ mod reader;
 mod shapes;
 mod state;
 mod suggest;
+mod transform;
 mod world;
 
 use std::path::Path;

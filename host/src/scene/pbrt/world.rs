@@ -7,8 +7,8 @@ use super::super::{
     Boundary, Camera, Integrator, Light, MediumId, NamedMedium, Place, Projection, Scene,
     SceneError, ScreenWindow, Shape,
 };
+use super::camera::CameraDraft;
 use super::diagnostics::Diagnostics;
-use super::options::CameraDraft;
 use super::state::{Material, MediumName};
 use super::suggest::nearest;
 
