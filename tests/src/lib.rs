@@ -4,4 +4,6 @@
 //! among them into functions that a tracker can fly through.
 #![forbid(unsafe_code)]
 
+pub mod fixtures;
+pub mod refs;
 pub mod stats;

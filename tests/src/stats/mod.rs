@@ -25,7 +25,7 @@
 mod chi_square;
 mod image;
 #[cfg(test)]
-mod independent;
+pub(crate) mod independent;
 mod judge;
 mod kolmogorov_smirnov;
 mod moments;
