@@ -138,7 +138,7 @@ impl Fixture {
 }
 
 impl Ray {
-    /// The point at distance `t` [length].
+    /// The point at distance `t` \[length\].
     pub fn at(&self, t: f64) -> [f64; 3] {
         std::array::from_fn(|i| self.origin[i] + t * self.dir[i])
     }

@@ -1,8 +1,8 @@
 //! Bodies in a uniform environment of radiance 1: what a camera ray through them sees.
 //!
 //! With albedo 1 every ray sees exactly 1, whatever the density, phase function or smooth boundary. Otherwise
-//! L = E[albedoᴺ], N the collisions of a walk that starts along the ray and ends where it leaves; and
-//! D = E[albedoᴺ · cos(way out, ray)], so that an environment c₀ + c₁ (w · v), w towards it and v the ray, is seen as
+//! L = E albedoᴺ, N the collisions of a walk that starts along the ray and ends where it leaves; and
+//! D = E (albedoᴺ · cos(way out, ray)), so that an environment c₀ + c₁ (w · v), w towards it and v the ray, is seen as
 //! c₀ L + c₁ D. Uncertainty: 10⁻⁹ for the isotropic sphere, else the standard errors given.
 
 use serde::Deserialize;

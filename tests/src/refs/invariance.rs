@@ -10,9 +10,9 @@ use serde::Deserialize;
 /// The body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shape {
-    /// A ball at the origin, by its radius [length].
+    /// A ball at the origin, by its radius \[length\].
     Sphere(f64),
-    /// [0, a] × [0, b] × [0, c] [length].
+    /// [0, a] × [0, b] × [0, c] \[length\].
     Block([f64; 3]),
 }
 
@@ -67,21 +67,21 @@ pub struct Case {
     pub density: Density,
     /// σ̄, a bound of the density [1/length].
     pub majorant: f64,
-    /// V [length³].
+    /// V \[length³\].
     pub volume: f64,
-    /// S [length²].
+    /// S \[length²\].
     pub surface: f64,
     /// Centre of a small ball inside the body.
     pub part_center: [f64; 3],
-    /// Its radius [length].
+    /// Its radius \[length\].
     pub part_radius: f64,
-    /// Mean path per photon [length].
+    /// Mean path per photon \[length\].
     pub mean_path: f64,
     /// Mean number of real collisions per photon.
     pub mean_collisions: f64,
     /// Mean number of null collisions per photon.
     pub mean_null: f64,
-    /// Mean path within the small ball [length].
+    /// Mean path within the small ball \[length\].
     pub mean_path_part: f64,
 }
 

@@ -29,7 +29,7 @@ pub enum Setting {
         peak: f64,
         /// Centre.
         c: [f64; 3],
-        /// Standard deviation [length].
+        /// Standard deviation \[length\].
         s: f64,
         /// Scattering over extinction.
         albedo: f64,
@@ -52,7 +52,7 @@ pub struct Case {
     pub origin: [f64; 3],
     /// Unit direction of the ray, away from the camera.
     pub dir: [f64; 3],
-    /// How far it goes [length].
+    /// How far it goes \[length\].
     #[serde(rename = "L")]
     pub t_max: f64,
     /// Mean cosine.

@@ -19,7 +19,7 @@ pub enum Field {
     ExponentialZ {
         /// Extinction at z = 0 [1/length].
         s0: f64,
-        /// Scale height [length].
+        /// Scale height \[length\].
         #[serde(rename = "H")]
         height: f64,
     },
@@ -27,10 +27,10 @@ pub enum Field {
     Planet {
         /// Extinction at the ground [1/length].
         s0: f64,
-        /// Scale height [length].
+        /// Scale height \[length\].
         #[serde(rename = "H")]
         height: f64,
-        /// Radius of the ground [length].
+        /// Radius of the ground \[length\].
         #[serde(rename = "Rp")]
         ground: f64,
     },
@@ -41,12 +41,12 @@ pub enum Field {
         peak: f64,
         /// Centre.
         c: [f64; 3],
-        /// Standard deviation [length].
+        /// Standard deviation \[length\].
         s: f64,
     },
     /// A sum of Gaussians.
     ThreeGaussians {
-        /// Peak [1/length], centre, standard deviation [length] of each.
+        /// Peak [1/length], centre, standard deviation \[length\] of each.
         blobs: Vec<(f64, [f64; 3], f64)>,
     },
     /// A · (1 + B sin(k · x + φ)).
@@ -83,7 +83,7 @@ pub enum Field {
         /// Extinction of odd cells [1/length].
         #[serde(rename = "B")]
         odd: f64,
-        /// Edge of a cell [length].
+        /// Edge of a cell \[length\].
         h: f64,
     },
     /// Trilinear between values that sit at whole coordinates, on [0, 4]³.
@@ -109,7 +109,7 @@ pub enum Field {
         peak: f64,
         /// Centre.
         c: [f64; 3],
-        /// Radius beyond which there is nothing [length].
+        /// Radius beyond which there is nothing \[length\].
         #[serde(rename = "R")]
         radius: f64,
     },
@@ -120,9 +120,9 @@ pub enum Field {
         inside: f64,
         /// Centre.
         c: [f64; 3],
-        /// Inner radius [length].
+        /// Inner radius \[length\].
         r1: f64,
-        /// Outer radius [length].
+        /// Outer radius \[length\].
         r2: f64,
     },
 }
@@ -137,7 +137,7 @@ pub struct Ray {
     pub origin: [f64; 3],
     /// Unit direction.
     pub dir: [f64; 3],
-    /// How far it goes [length].
+    /// How far it goes \[length\].
     #[serde(rename = "L")]
     pub t_max: f64,
     /// τ, the optical depth of [0, t_max].
@@ -149,7 +149,7 @@ pub struct Ray {
     /// Optical depth of the first quarter, half and three quarters of the length.
     #[serde(rename = "tau_quarters")]
     pub quarter_depths: [f64; 3],
-    /// ∫ e^−τ(t) dt = E[min(flight, t_max)] [length].
+    /// ∫ e^−τ(t) dt = E min(flight, t_max) \[length\].
     pub mean_free_flight: f64,
     /// ∫ σ_t(t) e^−τ(t) (1 + x(t)) dt: radiance where the source function is 1 + the first coordinate.
     pub emission: f64,
