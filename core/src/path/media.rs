@@ -253,12 +253,12 @@ pub struct OneGrid<'a> {
 }
 
 impl<'a> OneGrid<'a> {
-    /// From its record, whose tables begin with the grid's samples and bounds.
-    pub fn new(record: &MediumRecord, grid: &MajorantGrid<'a>) -> Self {
+    /// From its record, and the tables that the record points into.
+    pub fn new(record: &MediumRecord, samples: &'a [f32], majorants: &'a [f32]) -> Self {
         Self {
             words: record.to_words(),
-            samples: grid.samples,
-            majorants: grid.majorants,
+            samples,
+            majorants,
         }
     }
 }

@@ -1,0 +1,298 @@
+//! What the commands do: from arguments to scenes, volumes and kernels.
+
+use std::cell::RefCell;
+use std::path::PathBuf;
+use std::time::Instant;
+
+use woodcock_core::path::{Counts, ShadowEstimator};
+
+use super::args::{self, ExplainArgs, InfoArgs, RenderArgs};
+use super::failure::{self, Failure};
+use super::render::{Prepared, Rendered};
+use crate::drive::{Goal, Watch, drive};
+use crate::film::Film;
+use crate::image::RenderMetadata;
+use crate::info::{InfoOptions, info_json, info_text};
+use crate::render::{Kernel, Plan, kernel_name, render_pass, replay as replay_path};
+use crate::report::{Statistics, cpu_time};
+use crate::scene::{self, DiskFiles, Files, Scene};
+use crate::volume::Limits;
+use crate::world::{self, Feature, World};
+use crate::builtin;
+
+/// Samples per pixel where neither the scene nor the user says.
+const DEFAULT_SAMPLES: u32 = 64;
+
+/// A scene, assembled under the user's choices.
+struct Loaded {
+    scene: Scene,
+    world: World,
+    name: String,
+}
+
+fn load(scene_file: Option<&PathBuf>, options: &world::Options, lenient: bool, quiet: bool) -> Result<Loaded, Failure> {
+    let (scene, name) = match scene_file {
+        Some(path) => {
+            let reading = scene::Options { lenient, max_memory: options.limits.max_memory };
+            (scene::read(path, &DiskFiles, &reading)?, path.display().to_string())
+        }
+        None => {
+            if !quiet {
+                eprintln!("no scene given: rendering the built-in cloud");
+            }
+            (builtin::scene()?, "built-in".to_owned())
+        }
+    };
+    let world = world::assemble(&scene, &DiskFiles, options)?;
+    if !quiet {
+        for warning in scene.warnings.iter().chain(&world.warnings) {
+            failure::warn(warning);
+        }
+    }
+    Ok(Loaded { scene, world, name })
+}
+
+fn limits(max_memory: Option<u64>) -> Limits {
+    max_memory.map_or_else(Limits::default, |max_memory| Limits { max_memory })
+}
+
+fn options(args: &RenderArgs) -> Result<world::Options, Failure> {
+    let keep = args.keep.iter().map(|name| {
+        Feature::kept(name).ok_or_else(|| {
+            let known = Feature::ALL.iter().filter(|f| f.can_be_kept()).map(|f| f.name());
+            let known: Vec<_> = known.collect();
+            Failure::Usage(format!("--keep {name}: there is {}", known.join(", ")))
+        })
+    });
+    Ok(world::Options {
+        keep: keep.collect::<Result<_, _>>()?,
+        resolution: args.resolution,
+        crop: args.crop,
+        limits: limits(args.max_memory),
+    })
+}
+
+/// The plan that arguments make for a world, and the name of its transmittance estimator.
+fn plan(args: &RenderArgs, scene: &Scene, world: &World) -> Result<(Plan, String), Failure> {
+    let tracking = world.needs.runs(Feature::Tracking);
+    let (shadow, name) = match args.transmittance {
+        Some(args::Transmittance::Closed) if tracking => {
+            let message = "--transmittance closed: this scene has media on grids, which have no closed form";
+            return Err(Failure::Usage(message.into()));
+        }
+        Some(args::Transmittance::Delta) if world.needs.runs(Feature::Chromatic) => {
+            let message = "--transmittance delta: one decision cannot serve colours of different extinction; use ratio";
+            return Err(Failure::Usage(message.into()));
+        }
+        Some(args::Transmittance::Delta) if tracking => (ShadowEstimator::Delta, "delta"),
+        _ if tracking => (ShadowEstimator::Ratio, "ratio"),
+        _ => (ShadowEstimator::Ratio, "closed"),
+    };
+    let kernel = match args.kernel {
+        args::Kernel::Packet => Kernel::Packet,
+        args::Kernel::Scalar => Kernel::Scalar,
+    };
+    let seed = args.seed.or(scene.seed).unwrap_or(0);
+    Ok((Plan::new(world, kernel, seed, shadow, args.max_depth), name.to_owned()))
+}
+
+/// Prepares `woodcock render`.
+///
+/// # Errors
+/// Scene and volume errors; usage that does not fit the scene.
+pub fn prepare(args: &RenderArgs) -> Result<Prepared, Failure> {
+    let setup = Instant::now();
+    let options = options(args)?;
+    let loaded = load(args.scene.as_ref(), &options, args.lenient, args.quiet)?;
+    let (plan, transmittance) = plan(args, &loaded.scene, &loaded.world)?;
+    let image_name = args.scene.as_ref().and_then(|_| {
+        let name = &loaded.scene.film.filename;
+        (!name.is_empty()).then(|| PathBuf::from(name))
+    });
+    let goal = Goal {
+        samples: match (args.spp, args.time) {
+            (None, None) => {
+                Some(loaded.scene.samples_per_pixel.unwrap_or(DEFAULT_SAMPLES))
+            }
+            (spp, _) => spp,
+        },
+        time: args.time,
+        first_sample: 0,
+    };
+    let pool = pool(args.threads)?;
+    let setup_seconds = setup.elapsed().as_secs_f64();
+    Ok(Prepared {
+        image_name,
+        render: Box::new(move |watch| {
+            let statistics = Statistics {
+                transmittance,
+                setup_seconds,
+                threads: pool.current_num_threads() as u64,
+                ..Statistics::default()
+            };
+            render(&loaded, &plan, &goal, &pool, watch, statistics)
+        }),
+    })
+}
+
+/// The threads that tiles run on; `0` or nothing is one for each core.
+fn pool(threads: Option<usize>) -> Result<rayon::ThreadPool, Failure> {
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads.unwrap_or(0))
+        .build()
+        .map_err(|error| Failure::message(format!("cannot start threads: {error}")))
+}
+
+fn render(
+    loaded: &Loaded,
+    plan: &Plan,
+    goal: &Goal,
+    pool: &rayon::ThreadPool,
+    watch: Watch<'_>,
+    statistics: Statistics,
+) -> Result<Rendered, Failure> {
+    let Loaded { scene, world, name } = loaded;
+    let cpu_before = cpu_time();
+    let mut film = Film::new(world.resolution, world.window);
+    let counts = RefCell::new(Counts::default());
+    let outcome = drive(&mut film, goal, watch, |film, samples| {
+        let pass = pool.install(|| render_pass(world, plan, film, samples, watch.progress));
+        counts.borrow_mut().add(&pass);
+        Ok::<_, Failure>(())
+    })?;
+    let counts = counts.into_inner();
+    let cpu = cpu_before.zip(cpu_time()).map(|(a, b)| b.saturating_sub(a).as_secs_f64());
+    let kernel = match plan.kernel {
+        Kernel::Packet => "packet",
+        Kernel::Scalar => "scalar",
+    };
+    let lanes = match plan.kernel {
+        Kernel::Packet => woodcock_packet::lanes::LANES as u64,
+        Kernel::Scalar => 1,
+    };
+    let utilisation = counts.busy_lanes as f64 / (counts.steps * lanes).max(1) as f64;
+    Ok(Rendered {
+        film,
+        channels: Vec::new(),
+        metadata: RenderMetadata {
+            seed: plan.seed,
+            scene_hash: scene.source_hash,
+            integrator: scene.integrator.name.clone(),
+            kernel: kernel.to_owned(),
+            samples: outcome.samples.clone(),
+            majorant_violations: counts.majorant_violations,
+            stopping: outcome.stopping,
+            render_time: outcome.render_time,
+        },
+        statistics: Statistics {
+            scene: name.clone(),
+            integrator: scene.integrator.name.clone(),
+            kernel: kernel.to_owned(),
+            seed: plan.seed,
+            spp: outcome.samples.len() as u64,
+            render_seconds: outcome.render_time.as_secs_f64(),
+            cpu_seconds: cpu,
+            paths: counts.paths,
+            tentative_collisions: counts.tentative_collisions,
+            real_collisions: counts.real_collisions,
+            null_collisions: counts.null_collisions,
+            lookups: counts.lookups,
+            exact_lookups: counts.lookups,
+            majorant_cells: counts.majorant_cells,
+            lane_utilisation: utilisation,
+            majorant_violations: counts.majorant_violations,
+            needs: world.needs.running(),
+            skipped: world.needs.skipped(),
+            ..statistics
+        },
+        complete: outcome.complete,
+    })
+}
+
+/// Runs `woodcock render --replay`.
+///
+/// # Errors
+/// As [`prepare`], and a pixel outside of the picture.
+pub fn replay(args: &RenderArgs) -> Result<String, Failure> {
+    let Some(wanted) = args.replay else {
+        return Err(Failure::Usage("--replay x,y,sample is missing".into()));
+    };
+    let loaded = load(args.scene.as_ref(), &options(args)?, args.lenient, args.quiet)?;
+    let [width, height] = loaded.world.resolution;
+    let (x, y, sample) = (wanted.x, wanted.y, wanted.sample);
+    if x >= width || y >= height {
+        return Err(Failure::Usage(format!(
+            "--replay {x},{y},{sample}: the picture has {width} x {height} pixels"
+        )));
+    }
+    let (plan, _) = plan(args, &loaded.scene, &loaded.world)?;
+    let (path, counts) = replay_path(&loaded.world, &plan, x, y, sample);
+    let [r, g, b] = path.radiance;
+    Ok(format!(
+        "path {sample} of pixel ({x}, {y}), seed {}\n\
+         radiance               {r:e} {g:e} {b:e}\n\
+         met a medium           {}\n\
+         tentative collisions   {}\n\
+         real collisions        {}\n\
+         null collisions        {}\n\
+         majorant cells         {}\n\
+         majorant violations    {}\n",
+        plan.seed,
+        if path.alpha > 0.0 { "yes" } else { "no" },
+        counts.tentative_collisions,
+        counts.real_collisions,
+        counts.null_collisions,
+        counts.majorant_cells,
+        counts.majorant_violations,
+    ))
+}
+
+/// Runs `woodcock explain`.
+///
+/// # Errors
+/// As [`prepare`].
+pub fn explain(args: &ExplainArgs) -> Result<String, Failure> {
+    let loaded = load(args.scene.as_ref(), &world::Options::default(), args.lenient, false)?;
+    let Loaded { scene, world, name } = loaded;
+    let [width, height] = world.resolution;
+    let mut text = format!(
+        "{name}: {width} x {height} pixels, {} media seen, {} lights\nkernel {}\n\n{}",
+        world.media.len(),
+        scene.lights.len(),
+        kernel_name(&world, Kernel::Packet),
+        world.needs,
+    );
+    let voxels = world.tables.samples.len();
+    if voxels > 0 {
+        let bounds = world.tables.majorants.len();
+        let megabytes = (voxels + bounds) as f64 * 4.0 / 1e6;
+        text += &format!("\n{voxels} samples and {bounds} majorants in {megabytes:.1} MB\n");
+    }
+    Ok(text)
+}
+
+/// Runs `woodcock info` on a volume.
+///
+/// # Errors
+/// A file that cannot be read, or is no volume.
+pub fn info(args: &InfoArgs) -> Result<String, Failure> {
+    let bytes = DiskFiles
+        .read(&args.file)
+        .map_err(|error| Failure::message(format!("{}: {error}", args.file.display())))?;
+    let options = InfoOptions {
+        grid: args.grid.clone(),
+        at: args.at.clone(),
+        rays: args.rays.clone(),
+        limits: limits(None),
+    };
+    let context = |error: crate::info::InfoError| {
+        Failure::message(format!("{}: {error}", args.file.display()))
+    };
+    if args.json {
+        let value = info_json(&bytes, &options).map_err(context)?;
+        let text = serde_json::to_string_pretty(&value);
+        Ok(text.map_err(Failure::message)? + "\n")
+    } else {
+        info_text(&bytes, &options).map_err(context)
+    }
+}

@@ -1,0 +1,330 @@
+//! Rendering a world: the kernel that its needs pick, over tiles and passes.
+
+use std::ops::Range;
+
+use woodcock_core::path::{
+    Atlas, Counts, Geometry, OneGrid, OneHomogeneous, PathMedium, PathSample, RecordKind, Scene,
+    Settings, ShadowEstimator,
+};
+use woodcock_core::stream::Key;
+use woodcock_packet::lanes::Lanes;
+use woodcock_packet::trace::{self, PathRequest};
+
+use crate::drive::Progress;
+use crate::film::{Film, Tile};
+use crate::world::{Feature, Location, World};
+
+/// Eight lanes or one. Both give the same bits.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Kernel {
+    /// Eight lanes with refill.
+    #[default]
+    Packet,
+    /// One path at a time: the oracle.
+    Scalar,
+}
+
+/// How to trace paths through a world.
+#[derive(Clone, Copy, Debug)]
+pub struct Plan {
+    /// Lanes.
+    pub kernel: Kernel,
+    /// Seed of all random numbers.
+    pub seed: u64,
+    /// Shadow rays and depth.
+    pub settings: Settings,
+}
+
+impl Plan {
+    /// The plan of a world under choices of the user.
+    pub fn new(
+        world: &World,
+        kernel: Kernel,
+        seed: u64,
+        shadow: ShadowEstimator,
+        max_depth: Option<u32>,
+    ) -> Self {
+        let max_depth = max_depth.or(world.max_depth).unwrap_or(u32::MAX);
+        Self { kernel, seed, settings: Settings { max_depth, shadow } }
+    }
+}
+
+/// Something to be done with the kernel of a world: Rust has no generic closures.
+trait Job {
+    type Output;
+    fn run<M, G, const CHROMATIC: bool, const RAYLEIGH: bool>(
+        self,
+        scene: &Scene<'_, M, G>,
+    ) -> Self::Output
+    where
+        M: PathMedium<f32> + PathMedium<Lanes> + Sync,
+        G: Geometry<f32> + Geometry<Lanes> + Sync + ?Sized;
+}
+
+/// Geometry for both widths, behind one pointer: a call a ray, not a call a step.
+trait AnyGeometry: Geometry<f32> + Geometry<Lanes> + Sync {}
+impl<G: Geometry<f32> + Geometry<Lanes> + Sync> AnyGeometry for G {}
+
+/// A ray that meets nothing.
+#[derive(Debug)]
+struct Nothing;
+
+impl<R: woodcock_core::real::Real> Geometry<R> for Nothing {
+    fn overlaps(&self) -> bool {
+        false
+    }
+    fn stretch(
+        &self,
+        _: &woodcock_core::ray::Ray<R>,
+        _: R::Word,
+        _: R::Mask,
+    ) -> woodcock_core::path::Stretch<R> {
+        use woodcock_core::real::{Mask, Word};
+        woodcock_core::path::Stretch {
+            interval: woodcock_core::ray::Interval { t0: R::zero(), t1: R::zero() },
+            medium: R::Word::splat(0),
+            found: R::Mask::splat(false),
+        }
+    }
+}
+
+/// The medium that a world's kernel is made for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    Homogeneous,
+    Grid,
+    Several,
+}
+
+fn kind(world: &World) -> Kind {
+    match world.media.as_slice() {
+        _ if world.needs.runs(Feature::SeveralMedia) => Kind::Several,
+        [medium] => match medium.record.kind {
+            RecordKind::Homogeneous if !world.needs.runs(Feature::Tracking) => Kind::Homogeneous,
+            RecordKind::Homogeneous => Kind::Several,
+            RecordKind::Grid { .. } => Kind::Grid,
+        },
+        [] => Kind::Homogeneous,
+        _ => Kind::Several,
+    }
+}
+
+/// The name of the kernel that runs, for `explain` and the statistics.
+pub fn kernel_name(world: &World, kernel: Kernel) -> String {
+    let width = match kernel {
+        Kernel::Packet => "packet",
+        Kernel::Scalar => "scalar",
+    };
+    let medium = match kind(world) {
+        Kind::Homogeneous => "homogeneous",
+        Kind::Grid => "grid",
+        Kind::Several => "several media",
+    };
+    let colour = if world.needs.runs(Feature::Chromatic) { "chromatic" } else { "grey" };
+    format!("{width}: {medium}, {colour}")
+}
+
+/// Runs a job with the kernel of a world.
+fn with_kernel<J: Job>(world: &World, plan: &Plan, job: J) -> J::Output {
+    let geometry: &dyn AnyGeometry = match &world.place {
+        Location::Nowhere => &Nothing,
+        Location::Convex(convex) => convex,
+        Location::Boundaries(boundaries) => boundaries,
+    };
+    let chromatic = world.needs.runs(Feature::Chromatic);
+    let rayleigh = world.needs.runs(Feature::Rayleigh);
+    match kind(world) {
+        Kind::Homogeneous => {
+            let vacuum = || woodcock_core::path::MediumRecord {
+                kind: RecordKind::Homogeneous,
+                scale: 0.0,
+                colour: [1.0; 3],
+                albedo: [0.0; 3],
+                g: 0.0,
+                rayleigh: false,
+            };
+            let record = world.media.first().map_or_else(vacuum, |m| m.record);
+            let medium = OneHomogeneous::new(&record);
+            pick(world, plan, &medium, geometry, chromatic, rayleigh, job)
+        }
+        Kind::Grid => {
+            let medium = OneGrid::new(
+                &world.media[0].record,
+                &world.tables.samples,
+                &world.tables.majorants,
+            );
+            pick(world, plan, &medium, geometry, chromatic, rayleigh, job)
+        }
+        Kind::Several => {
+            let medium = Atlas {
+                records: &world.records,
+                samples: &world.tables.samples,
+                majorants: &world.tables.majorants,
+            };
+            // Rare enough that Rayleigh's branch need not be compiled away.
+            pick(world, plan, &medium, geometry, chromatic, true, job)
+        }
+    }
+}
+
+fn pick<M, J: Job>(
+    world: &World,
+    plan: &Plan,
+    medium: &M,
+    geometry: &dyn AnyGeometry,
+    chromatic: bool,
+    rayleigh: bool,
+    job: J,
+) -> J::Output
+where
+    M: PathMedium<f32> + PathMedium<Lanes> + Sync,
+{
+    let scene = Scene {
+        medium,
+        geometry,
+        lights: world.lights(),
+        camera: &world.camera,
+        settings: plan.settings,
+    };
+    match (chromatic, rayleigh) {
+        (false, false) => job.run::<_, _, false, false>(&scene),
+        (false, true) => job.run::<_, _, false, true>(&scene),
+        (true, _) => job.run::<_, _, true, true>(&scene),
+    }
+}
+
+/// A pass over all tiles of a film.
+struct Pass<'a> {
+    world: &'a World,
+    plan: &'a Plan,
+    film: &'a mut Film,
+    samples: Range<u32>,
+    progress: &'a dyn Progress,
+}
+
+impl Job for Pass<'_> {
+    type Output = Counts;
+    fn run<M, G, const CHROMATIC: bool, const RAYLEIGH: bool>(
+        self,
+        scene: &Scene<'_, M, G>,
+    ) -> Counts
+    where
+        M: PathMedium<f32> + PathMedium<Lanes> + Sync,
+        G: Geometry<f32> + Geometry<Lanes> + Sync + ?Sized,
+    {
+        let tile = |tile: &mut Tile| {
+            let counts = trace_tile::<M, G, CHROMATIC, RAYLEIGH>(
+                scene,
+                self.world,
+                self.plan,
+                self.samples.clone(),
+                tile,
+            );
+            self.progress.advance(counts.paths);
+            counts
+        };
+        let sum = |mut a: Counts, b: Counts| {
+            a.add(&b);
+            a
+        };
+        let tiles = self.film.tiles_mut();
+        #[cfg(feature = "rayon")]
+        {
+            use rayon::prelude::*;
+            tiles.par_iter_mut().map(tile).reduce(Counts::default, sum)
+        }
+        #[cfg(not(feature = "rayon"))]
+        tiles.iter_mut().map(tile).fold(Counts::default(), sum)
+    }
+}
+
+/// The path of a pixel's sample.
+fn request(world: &World, seed: u64, x: u32, y: u32, sample: u32) -> PathRequest {
+    let pixel = y.wrapping_mul(world.resolution[0]).wrapping_add(x);
+    PathRequest { x, y, key: Key { seed, pixel, sample } }
+}
+
+fn trace_tile<M, G, const CHROMATIC: bool, const RAYLEIGH: bool>(
+    scene: &Scene<'_, M, G>,
+    world: &World,
+    plan: &Plan,
+    samples: Range<u32>,
+    tile: &mut Tile,
+) -> Counts
+where
+    M: PathMedium<f32> + PathMedium<Lanes>,
+    G: Geometry<f32> + Geometry<Lanes> + ?Sized,
+{
+    let window = tile.window();
+    let [width, _] = window.size();
+    let per_pixel = samples.len();
+    let place = |index: usize| {
+        let (pixel, sample) = (index / per_pixel, index % per_pixel);
+        let (x, y) = (pixel as u32 % width, pixel as u32 / width);
+        (window.x0 + x, window.y0 + y, samples.start + sample as u32)
+    };
+    let requests = (0..window.pixels() as usize * per_pixel).map(|index| {
+        let (x, y, sample) = place(index);
+        request(world, plan.seed, x, y, sample)
+    });
+    let mut counts = Counts::default();
+    match plan.kernel {
+        Kernel::Packet => {
+            counts = trace::trace::<M, G, CHROMATIC, RAYLEIGH>(scene, requests, |index, path| {
+                let (x, y, sample) = place(index);
+                tile.add(x, y, sample, path.radiance, path.alpha);
+            });
+        }
+        Kernel::Scalar => {
+            for request in requests {
+                let path = trace::trace_scalar::<M, G, CHROMATIC, RAYLEIGH>(
+                    scene,
+                    request,
+                    &mut counts,
+                );
+                tile.add(request.x, request.y, request.key.sample, path.radiance, path.alpha);
+            }
+        }
+    }
+    counts
+}
+
+/// Adds the samples with these indices to every pixel of a film over the world's window.
+pub fn render_pass(
+    world: &World,
+    plan: &Plan,
+    film: &mut Film,
+    samples: Range<u32>,
+    progress: &dyn Progress,
+) -> Counts {
+    with_kernel(world, plan, Pass { world, plan, film, samples, progress })
+}
+
+/// One path, again.
+struct Replay {
+    request: PathRequest,
+}
+
+impl Job for Replay {
+    type Output = (PathSample, Counts);
+    fn run<M, G, const CHROMATIC: bool, const RAYLEIGH: bool>(
+        self,
+        scene: &Scene<'_, M, G>,
+    ) -> Self::Output
+    where
+        M: PathMedium<f32> + PathMedium<Lanes> + Sync,
+        G: Geometry<f32> + Geometry<Lanes> + Sync + ?Sized,
+    {
+        let mut counts = Counts::default();
+        let path =
+            trace::trace_scalar::<M, G, CHROMATIC, RAYLEIGH>(scene, self.request, &mut counts);
+        (path, counts)
+    }
+}
+
+/// Traces one path in scalar code: what it brings, and what it met.
+///
+/// * `x`, `y`: a pixel of the whole picture. `sample`: which of its paths.
+pub fn replay(world: &World, plan: &Plan, x: u32, y: u32, sample: u32) -> (PathSample, Counts) {
+    with_kernel(world, plan, Replay { request: request(world, plan.seed, x, y, sample) })
+}

@@ -1,0 +1,494 @@
+//! A scene made ready to render: tables, geometry, lights and camera in single precision around a local
+//! origin, and the decision which kernel runs.
+
+mod boundaries;
+mod medium;
+mod needs;
+mod shape;
+
+pub use boundaries::{Boundaries, Sides};
+pub use medium::{Medium, Support, Tables};
+pub use needs::{Decision, Feature, Need, Needs};
+
+use glam::{DAffine3, DVec3};
+use woodcock_core::camera::{self, Camera};
+use woodcock_core::light::{Distant, Lights};
+use woodcock_core::path::{Convex, RECORD_WORDS};
+
+use crate::film::Window;
+use crate::scene::{
+    Files, Light, MediumId, MediumKind, Place, Projection, Scene, SceneError, Shape, Warning,
+};
+use crate::volume::Limits;
+use shape::Region;
+
+/// Where media lie.
+#[derive(Debug)]
+pub enum Location {
+    /// Nowhere: every ray meets only the environment.
+    Nowhere,
+    /// One medium in a convex shape.
+    Convex(Convex),
+    /// Any media within any surfaces.
+    Boundaries(Boundaries),
+}
+
+/// A scene, assembled.
+#[derive(Debug)]
+pub struct World {
+    /// Size of the whole picture.
+    pub resolution: [u32; 2],
+    /// The part of it to render.
+    pub window: Window,
+    /// Camera rays.
+    pub camera: Camera,
+    /// Lights in one direction.
+    pub distant: Vec<Distant>,
+    /// Radiance of the constant environment.
+    pub environment: [f32; 3],
+    /// All media that can be seen.
+    pub media: Vec<Medium>,
+    /// Their grids.
+    pub tables: Tables,
+    /// The media's records as words, for kernels of several media.
+    pub records: Vec<u32>,
+    /// Where they lie.
+    pub place: Location,
+    /// What runs and what is skipped.
+    pub needs: Needs,
+    /// Scatterings after which the scene cuts paths off.
+    pub max_depth: Option<u32>,
+    /// What the user should know.
+    pub warnings: Vec<Warning>,
+}
+
+/// Choices of the user that shape the assembly.
+#[derive(Clone, Debug, Default)]
+pub struct Options {
+    /// Features to keep though the scene does not need them.
+    pub keep: Vec<Feature>,
+    /// Picture size in place of the scene's.
+    pub resolution: Option<[u32; 2]>,
+    /// Part of the picture in place of the scene's, in fractions of it.
+    pub crop: Option<[f32; 4]>,
+    /// Memory.
+    pub limits: Limits,
+}
+
+impl World {
+    /// The lights as kernels see them.
+    pub fn lights(&self) -> Lights<'_> {
+        Lights {
+            distant: &self.distant,
+            environment: self.environment,
+            sample_environment: self.needs.runs(Feature::EnvironmentNextEvent),
+        }
+    }
+}
+
+/// The media of a scene as assembled: their index, or nothing where a medium cannot be seen.
+struct Assembled {
+    media: Vec<Medium>,
+    index: Vec<Option<usize>>,
+    tables: Tables,
+}
+
+impl Assembled {
+    fn of(&self, id: Option<MediumId>) -> Option<usize> {
+        self.index.get(id?.0).copied().flatten()
+    }
+}
+
+/// Makes a scene ready to render.
+///
+/// # Errors
+/// A volume that cannot be read or rendered, at its medium's place in the scene; a picture that exceeds the
+/// memory limit; what this version cannot do.
+pub fn assemble(scene: &Scene, files: &dyn Files, options: &Options) -> Result<World, SceneError> {
+    let (resolution, window) = picture(scene, options)?;
+    let mut warnings = Vec::new();
+    let origin = local_origin(scene);
+    let assembled = assemble_media(scene, origin, files, options)?;
+    let keep = &options.keep;
+    let mut needs = Needs::default();
+
+    let grids = assembled.media.iter().filter(|m| m.support.is_some()).count();
+    let total = assembled.media.len();
+    needs.decide(Feature::Tracking, grids > 0, keep, match (total, grids) {
+        (0, _) => "no medium to be seen".to_owned(),
+        (_, 0) => "homogeneous media only: closed form".to_owned(),
+        _ => format!("{grids} of {total} media on grids"),
+    });
+    let chromatic_media = assembled.media.iter().filter(|m| m.is_chromatic()).count();
+    let chromatic = needs.decide(
+        Feature::Chromatic,
+        chromatic_media > 0,
+        keep,
+        if chromatic_media > 0 {
+            format!("extinction differs between colours in {chromatic_media} of {total} media")
+        } else {
+            "grey extinction: one scalar weight".to_owned()
+        },
+    );
+    let place = locate(scene, &assembled, origin, chromatic, keep, &mut needs, &mut warnings)?;
+    lights_needed(scene, keep, &mut needs);
+    let rayleigh = assembled.media.iter().any(|m| m.record.rayleigh);
+    let reason = if rayleigh { "a medium scatters so" } else { "no medium scatters so" };
+    needs.decide(Feature::Rayleigh, rayleigh, keep, reason);
+    let lens = scene.camera.lens_radius > 0.0;
+    let reason = if lens { "a lens of finite size" } else { "a pinhole" };
+    needs.decide(Feature::Lens, lens, keep, reason);
+
+    let (distant, environment) = lights(scene)?;
+    let records = assembled.media.iter().flat_map(|m| m.record.to_words()).collect::<Vec<_>>();
+    debug_assert_eq!(records.len(), assembled.media.len() * RECORD_WORDS);
+    Ok(World {
+        resolution,
+        window,
+        camera: camera(scene, resolution, origin),
+        distant,
+        environment,
+        media: assembled.media,
+        tables: assembled.tables,
+        records,
+        place,
+        needs,
+        max_depth: scene.integrator.max_depth,
+        warnings,
+    })
+}
+
+/// Size of the picture, and the part of it to render.
+fn picture(scene: &Scene, options: &Options) -> Result<([u32; 2], Window), SceneError> {
+    let film = &scene.film;
+    let resolution = options.resolution.unwrap_or([film.width, film.height]);
+    let error = |message: String| match &film.place {
+        Some(place) => SceneError::at(place, message),
+        None => SceneError::of_file("the picture", message),
+    };
+    let window = match options.crop {
+        Some(crop) => Window::crop(resolution, crop),
+        None if options.resolution.is_some() => {
+            let fraction = |n: u32, of: u32| n as f32 / of as f32;
+            let c = &film.crop;
+            Window::crop(
+                resolution,
+                [
+                    fraction(c.x0, film.width),
+                    fraction(c.x1, film.width),
+                    fraction(c.y0, film.height),
+                    fraction(c.y1, film.height),
+                ],
+            )
+        }
+        None => {
+            let c = &film.crop;
+            Window { x0: c.x0, y0: c.y0, x1: c.x1, y1: c.y1 }
+        }
+    };
+    if window.is_empty() {
+        return Err(error("the crop window holds no pixel".into()));
+    }
+    let needed = window.pixels().saturating_mul(crate::film::Film::BYTES_PER_PIXEL as u64);
+    let limit = options.limits.max_memory;
+    if needed > limit {
+        return Err(error(format!(
+            "a picture of {} pixels needs {needed} bytes, the limit is {limit}; raise --max-memory or lower the resolution",
+            window.pixels()
+        )));
+    }
+    let [width, height] = resolution.map(u64::from);
+    if width * height > u64::from(u32::MAX) {
+        return Err(error("a picture has at most 2^32 pixels".into()));
+    }
+    Ok((resolution, window))
+}
+
+/// The place that single precision is finest about: the middle of the boundaries, or of the first grid, or
+/// the camera.
+fn local_origin(scene: &Scene) -> DVec3 {
+    let mut low = DVec3::INFINITY;
+    let mut high = DVec3::NEG_INFINITY;
+    let mut add = |p: DVec3| {
+        low = low.min(p);
+        high = high.max(p);
+    };
+    for boundary in &scene.boundaries {
+        match &boundary.shape {
+            Shape::Sphere(sphere) => add(sphere.object_to_world.translation),
+            Shape::TriangleMesh(mesh) => mesh.positions.iter().copied().for_each(&mut add),
+        }
+    }
+    if low.is_finite() {
+        return (low + high) * 0.5;
+    }
+    let grid = scene.media.iter().find(|m| !matches!(m.kind, MediumKind::Homogeneous));
+    grid.map_or(scene.camera.camera_to_world.translation, |m| m.medium_to_world.translation)
+}
+
+fn assemble_media(
+    scene: &Scene,
+    origin: DVec3,
+    files: &dyn Files,
+    options: &Options,
+) -> Result<Assembled, SceneError> {
+    let used = |id: usize| {
+        let id = Some(MediumId(id));
+        scene.camera_medium == id
+            || scene.boundaries.iter().any(|b| b.inside == id || b.outside == id)
+    };
+    let mut assembled =
+        Assembled { media: Vec::new(), index: Vec::new(), tables: Tables::default() };
+    for (id, description) in scene.media.iter().enumerate() {
+        let seen = if used(id) {
+            medium::assemble(description, origin, files, &options.limits, &mut assembled.tables)?
+        } else {
+            None
+        };
+        assembled.index.push(seen.as_ref().map(|_| assembled.media.len()));
+        assembled.media.extend(seen);
+    }
+    Ok(assembled)
+}
+
+/// Finds the simplest description of where media lie.
+fn locate(
+    scene: &Scene,
+    assembled: &Assembled,
+    origin: DVec3,
+    chromatic: bool,
+    keep: &[Feature],
+    needs: &mut Needs,
+    warnings: &mut Vec<Warning>,
+) -> Result<Location, SceneError> {
+    let boundaries: Vec<_> = scene
+        .boundaries
+        .iter()
+        .map(|b| {
+            let sides = Sides { inside: assembled.of(b.inside), outside: assembled.of(b.outside) };
+            (b, sides)
+        })
+        .filter(|(_, sides)| sides.inside != sides.outside)
+        .collect();
+    let exterior = exterior(scene, assembled, &boundaries, origin);
+    if let Some(id) = scene.camera_medium
+        && exterior.is_none()
+        && boundaries.is_empty()
+        && assembled.of(Some(id)).is_some()
+        && let Some(medium) = scene.medium(id)
+    {
+        warnings.push(SceneError::at(&medium.place, "the camera's medium reaches nowhere").into_warning());
+    }
+    let several = needs.decide(
+        Feature::SeveralMedia,
+        assembled.media.len() > 1,
+        keep,
+        match assembled.media.len() {
+            0 => "no medium".to_owned(),
+            1 => "one medium: its parameters are constants".to_owned(),
+            n => format!("{n} media"),
+        },
+    );
+    let convex = convex(assembled, &boundaries, exterior, origin);
+    let reason = match &convex {
+        None if assembled.media.is_empty() => "no medium",
+        None => "surfaces that are no box or sphere, or several",
+        Some(Convex::Everywhere) => "the medium fills space",
+        Some(Convex::Box { .. }) => "a box: an interval in closed form",
+        Some(Convex::Sphere { .. }) => "a sphere: an interval in closed form",
+    };
+    if assembled.media.is_empty() || (boundaries.is_empty() && exterior.is_none()) {
+        needs.decide(Feature::Boundaries, false, &[], "no medium in reach");
+        return Ok(Location::Nowhere);
+    }
+    let search = needs.decide(Feature::Boundaries, convex.is_none(), keep, reason);
+    match convex {
+        // A kernel of several media still takes a convex place: its medium is number zero.
+        Some(convex) if !search => Ok(Location::Convex(convex)),
+        _ => {
+            let overlaps = overlaps(assembled, &boundaries, exterior, origin);
+            if let (Some(place), true) = (&overlaps, chromatic) {
+                return Err(SceneError::at(
+                    place,
+                    "media of coloured extinction whose regions overlap are not supported yet",
+                )
+                .help("make the extinction grey, or name the enclosing medium as this boundary's outside"));
+            }
+            let supports = assembled.media.iter().map(|m| m.support).collect();
+            let overlapping = overlaps.is_some() && several;
+            Ok(Location::Boundaries(Boundaries::new(
+                &boundaries,
+                exterior,
+                supports,
+                origin,
+                overlapping,
+            )))
+        }
+    }
+}
+
+/// The medium outside of all boundaries: that of the camera where there is none, else the one that
+/// boundaries name as their outside but none as its inside.
+fn exterior(
+    scene: &Scene,
+    assembled: &Assembled,
+    boundaries: &[(&crate::scene::Boundary, Sides)],
+    _origin: DVec3,
+) -> Option<usize> {
+    if boundaries.is_empty() {
+        return assembled.of(scene.camera_medium);
+    }
+    let outside = boundaries.iter().filter_map(|(_, sides)| sides.outside);
+    outside.into_iter().find(|medium| {
+        boundaries.iter().all(|(_, sides)| sides.inside != Some(*medium))
+    })
+}
+
+/// One medium in one convex shape, if that is what the scene comes to.
+fn convex(
+    assembled: &Assembled,
+    boundaries: &[(&crate::scene::Boundary, Sides)],
+    exterior: Option<usize>,
+    origin: DVec3,
+) -> Option<Convex> {
+    let [medium] = assembled.media.as_slice() else {
+        return None;
+    };
+    match (boundaries, exterior) {
+        ([], Some(_)) => Some(match &medium.support {
+            Some(support) => shape::convex_box(support),
+            None => Convex::Everywhere,
+        }),
+        ([(boundary, Sides { inside: Some(_), outside: None })], None) => {
+            let region = Region::of(boundary, origin)?;
+            match &medium.support {
+                None => Some(region.convex()),
+                Some(support) => {
+                    region.contains(&support.corners()).then(|| shape::convex_box(support))
+                }
+            }
+        }
+        _ => None,
+    }
+}
+
+/// The place of a boundary whose medium may share space with another, if there is one. Judged by boxes: it
+/// may be wrong on the safe side.
+fn overlaps(
+    assembled: &Assembled,
+    boundaries: &[(&crate::scene::Boundary, Sides)],
+    exterior: Option<usize>,
+    origin: DVec3,
+) -> Option<Place> {
+    if assembled.media.len() < 2 {
+        return None;
+    }
+    let boxed = |boundary: &crate::scene::Boundary| -> (DVec3, DVec3) {
+        let points: Vec<DVec3> = match &boundary.shape {
+            Shape::Sphere(sphere) => {
+                let m = DAffine3::from_translation(-origin) * sphere.object_to_world;
+                let corner = |i: usize| {
+                    let sign = |bit: usize| if i >> bit & 1 == 1 { sphere.radius } else { -sphere.radius };
+                    m.transform_point3(DVec3::new(sign(0), sign(1), sign(2)))
+                };
+                (0..8).map(corner).collect()
+            }
+            Shape::TriangleMesh(mesh) => mesh.positions.iter().map(|p| *p - origin).collect(),
+        };
+        let low = points.iter().copied().fold(DVec3::INFINITY, DVec3::min);
+        let high = points.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+        (low, high)
+    };
+    for (i, (a, sides_a)) in boundaries.iter().enumerate() {
+        if exterior.is_some() && sides_a.outside != exterior && sides_a.inside != exterior {
+            let nested = boundaries.iter().any(|(_, s)| s.inside == sides_a.outside && s.inside.is_some());
+            if !nested {
+                return Some(a.place.clone());
+            }
+        }
+        for (b, sides_b) in &boundaries[i + 1..] {
+            if sides_a.inside == sides_b.inside {
+                continue;
+            }
+            let declared = sides_a.outside.is_some() && sides_a.outside == sides_b.inside
+                || sides_b.outside.is_some() && sides_b.outside == sides_a.inside;
+            let ((low_a, high_a), (low_b, high_b)) = (boxed(a), boxed(b));
+            let apart = high_a.cmplt(low_b).any() || high_b.cmplt(low_a).any();
+            if !declared && !apart {
+                return Some(b.place.clone());
+            }
+        }
+    }
+    None
+}
+
+fn lights_needed(scene: &Scene, keep: &[Feature], needs: &mut Needs) {
+    let distant = scene.lights.iter().filter(|l| matches!(l, Light::Distant(_))).count();
+    let constant = scene.lights.iter().any(|l| matches!(l, Light::Constant(_)));
+    let reason = match distant {
+        0 => "no light that paths cannot find themselves".to_owned(),
+        1 => "one distant light: no choice".to_owned(),
+        n => format!("{n} distant lights, one chosen at each scattering"),
+    };
+    needs.decide(Feature::NextEvent, distant > 0, &[], reason);
+    let (reason, keep) = if constant {
+        ("paths that escape meet a constant sky without a shadow ray", keep)
+    } else {
+        ("no environment", &[][..])
+    };
+    needs.decide(Feature::EnvironmentNextEvent, false, keep, reason);
+}
+
+/// Lights in single precision, times the film's factor on every pixel.
+fn lights(scene: &Scene) -> Result<(Vec<Distant>, [f32; 3]), SceneError> {
+    let factor = scene.film.imaging_ratio;
+    let mut distant = Vec::new();
+    let mut environment = [0.0_f64; 3];
+    for light in &scene.lights {
+        match light {
+            Light::Distant(light) => {
+                let direction = light.direction_to_light.as_vec3().to_array();
+                let irradiance = light.irradiance.map(|e| (e * factor) as f32);
+                let made = Distant::new(direction, irradiance)
+                    .map_err(|error| SceneError::at(&light.place, error.to_string()))?;
+                distant.push(made);
+            }
+            Light::Constant(light) => {
+                for (sum, radiance) in environment.iter_mut().zip(light.radiance) {
+                    *sum += radiance * factor;
+                }
+                if environment.iter().any(|e| !(*e as f32).is_finite()) {
+                    let message = "the radiance is beyond the range of 32-bit numbers";
+                    return Err(SceneError::at(&light.place, message));
+                }
+            }
+        }
+    }
+    distant.retain(|light| light.radiance() != [0.0; 3]);
+    Ok((distant, environment.map(|e| e as f32)))
+}
+
+fn camera(scene: &Scene, resolution: [u32; 2], origin: DVec3) -> Camera {
+    let from = &scene.camera;
+    let window = &from.screen_window;
+    let (projection, half) = match from.projection {
+        Projection::Perspective { fov } => {
+            (camera::Projection::Perspective, libm::tan(0.5 * fov.to_radians()))
+        }
+        Projection::Orthographic => (camera::Projection::Orthographic, 1.0),
+    };
+    let axis = |from: f64, to: f64, pixels: u32| {
+        [from * half, (to - from) * half / f64::from(pixels)].map(|x| x as f32)
+    };
+    let to_world = DAffine3::from_translation(-origin) * from.camera_to_world;
+    Camera {
+        projection,
+        screen: [
+            axis(window.x_min, window.x_max, resolution[0]),
+            axis(window.y_max, window.y_min, resolution[1]),
+        ],
+        camera_to_world: medium::rows(&to_world),
+        lens_radius: from.lens_radius as f32,
+        focal_distance: from.focal_distance as f32,
+    }
+}

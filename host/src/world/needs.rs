@@ -1,0 +1,147 @@
+//! What a scene needs, and what is therefore skipped.
+//!
+//! The table decides which kernel runs; `woodcock explain` prints it. `--keep NAME` keeps a skipped feature,
+//! to measure what skipping gains and to prove that it changes nothing: the same bits where the note says so,
+//! the same mean otherwise.
+
+use std::fmt;
+
+/// A piece of work that not every scene needs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Feature {
+    /// Majorants, tentative collisions and look-ups.
+    Tracking,
+    /// A weight per colour in flights and shadow rays.
+    Chromatic,
+    /// Parameters of each lane's own medium.
+    SeveralMedia,
+    /// Search among boundary surfaces.
+    Boundaries,
+    /// Shadow rays to lights.
+    NextEvent,
+    /// Shadow rays to the environment.
+    EnvironmentNextEvent,
+    /// Rayleigh's phase function.
+    Rayleigh,
+    /// A lens.
+    Lens,
+}
+
+impl Feature {
+    /// All of them, in the order of the table.
+    pub const ALL: [Self; 8] = [
+        Self::Tracking,
+        Self::Chromatic,
+        Self::SeveralMedia,
+        Self::Boundaries,
+        Self::NextEvent,
+        Self::EnvironmentNextEvent,
+        Self::Rayleigh,
+        Self::Lens,
+    ];
+
+    /// Its name on the command line and in statistics.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Tracking => "tracking",
+            Self::Chromatic => "chromatic",
+            Self::SeveralMedia => "several-media",
+            Self::Boundaries => "boundaries",
+            Self::NextEvent => "next-event",
+            Self::EnvironmentNextEvent => "environment-next-event",
+            Self::Rayleigh => "rayleigh",
+            Self::Lens => "lens",
+        }
+    }
+
+    /// Whether `--keep` can keep it where a scene does not need it.
+    pub const fn can_be_kept(self) -> bool {
+        !matches!(self, Self::NextEvent | Self::Lens)
+    }
+
+    /// The feature of a name that `--keep` takes.
+    pub fn kept(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|f| f.can_be_kept() && f.name() == name)
+    }
+}
+
+/// What became of a feature.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Decision {
+    /// The scene needs it.
+    Needed,
+    /// The scene does not, and it costs nothing.
+    Skipped,
+    /// The scene does not, but `--keep` asked for it.
+    Kept,
+}
+
+/// A row of the table.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Need {
+    /// Which work.
+    pub feature: Feature,
+    /// What became of it.
+    pub decision: Decision,
+    /// Why.
+    pub reason: String,
+}
+
+/// What a scene needs.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Needs(pub Vec<Need>);
+
+impl Needs {
+    /// Enters a feature, and says whether its code runs.
+    pub(super) fn decide(
+        &mut self,
+        feature: Feature,
+        needed: bool,
+        keep: &[Feature],
+        reason: impl Into<String>,
+    ) -> bool {
+        let decision = match (needed, keep.contains(&feature)) {
+            (true, _) => Decision::Needed,
+            (false, true) => Decision::Kept,
+            (false, false) => Decision::Skipped,
+        };
+        let runs = decision != Decision::Skipped;
+        self.0.push(Need { feature, decision, reason: reason.into() });
+        runs
+    }
+
+    /// Whether the code of a feature runs.
+    pub fn runs(&self, feature: Feature) -> bool {
+        self.0.iter().any(|n| n.feature == feature && n.decision != Decision::Skipped)
+    }
+
+    /// The names of the features whose code runs.
+    pub fn running(&self) -> Vec<String> {
+        self.names(|d| *d != Decision::Skipped)
+    }
+
+    /// The names of the features that are skipped.
+    pub fn skipped(&self) -> Vec<String> {
+        self.names(|d| *d == Decision::Skipped)
+    }
+
+    fn names(&self, wanted: impl Fn(&Decision) -> bool) -> Vec<String> {
+        let named = self.0.iter().filter(|n| wanted(&n.decision));
+        named.map(|n| n.feature.name().to_owned()).collect()
+    }
+}
+
+impl fmt::Display for Needs {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "{:<24}{:<10}why", "feature", "decision")?;
+        for need in &self.0 {
+            let decision = match need.decision {
+                Decision::Needed => "needed",
+                Decision::Skipped => "skipped",
+                Decision::Kept => "kept",
+            };
+            writeln!(f, "{:<24}{decision:<10}{}", need.feature.name(), need.reason)?;
+        }
+        Ok(())
+    }
+}
