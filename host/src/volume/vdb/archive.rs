@@ -186,6 +186,14 @@ fn place<'a>(
     let end = match u64::try_from(descriptor.end) {
         Ok(end) if (start..=file_end).contains(&end) => end,
         _ if last => file_end,
+        Ok(end) if end > file_end => {
+            return Err(VdbError::Truncated {
+                what: "a grid",
+                offset: start,
+                needed: end - start,
+                available: file_end - start,
+            });
+        }
         _ => return Err(wrong(cursor, "end", descriptor.end)),
     };
     let windows = (cursor.window(start, end), cursor.window(end, file_end));

@@ -149,3 +149,72 @@ fn unshuffle(shuffled: &[u8], type_size: usize, out: &mut [u8]) {
     }
     out[whole..].copy_from_slice(&shuffled[whole..]);
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Chunks written by c-blosc 1.21: which of two contents (u32), length (u32), chunk. Types of 1, 2, 4 and 12 bytes,
+    /// blocks split and whole, shuffled and not, matches near and far.
+    const CHUNKS: &[u8] = include_bytes!("../../../../tests/data/blosc/chunks.bin");
+
+    /// 600 floats and three bytes that fill no element.
+    fn small() -> Vec<u8> {
+        let value = |i: u32| (i % 37) as f32 * 0.25 + (i / 100) as f32;
+        let mut bytes: Vec<u8> = (0..600).flat_map(|i| value(i).to_le_bytes()).collect();
+        bytes.extend(b"xyz");
+        bytes
+    }
+
+    /// Noise, the same noise again (a far match), zeros (a long match).
+    fn large() -> Vec<u8> {
+        let mut state = 1_u32;
+        let mut bytes: Vec<u8> = std::iter::repeat_with(|| {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (state >> 24) as u8
+        })
+        .take(12_000)
+        .collect();
+        bytes.extend_from_within(..);
+        bytes.resize(29_000, 0);
+        bytes
+    }
+
+    fn chunks() -> Vec<(usize, &'static [u8])> {
+        let mut rest = CHUNKS;
+        let mut chunks = Vec::new();
+        while !rest.is_empty() {
+            let length = u32_at(rest, 4).expect("a length");
+            chunks.push((u32_at(rest, 0).expect("a number"), &rest[8..8 + length]));
+            rest = &rest[8 + length..];
+        }
+        chunks
+    }
+
+    #[test]
+    fn chunks_of_c_blosc_unfold() {
+        let contents = [small(), large()];
+        for (n, (which, chunk)) in chunks().into_iter().enumerate() {
+            let mut out = vec![0; contents[which].len()];
+            decompress(chunk, &mut out).unwrap_or_else(|error| panic!("chunk {n}: {error}"));
+            assert!(out == contents[which], "chunk {n}");
+        }
+    }
+
+    #[test]
+    fn damaged_chunks_end_in_an_error_or_in_bytes() {
+        let contents = [small(), large()];
+        for (which, chunk) in chunks() {
+            let mut out = vec![0; contents[which].len()];
+            assert!(decompress(&chunk[..chunk.len() - 1], &mut out).is_err());
+            assert!(decompress(chunk, &mut out[1..]).is_err());
+            for at in (0..chunk.len()).step_by(29) {
+                for bit in [0, 3, 7] {
+                    let mut bad = chunk.to_vec();
+                    bad[at] ^= 1 << bit;
+                    let _ = decompress(&bad, &mut out);
+                }
+            }
+        }
+    }
+}

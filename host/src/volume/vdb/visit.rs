@@ -145,6 +145,10 @@ pub(super) fn statistics<T: Voxel>(tree: &Tree<T>) -> Statistics {
         }
         ControlFlow::Continue(())
     });
+    // A scalar speaks for all three components.
+    for n in T::COMPONENTS..3 {
+        (s.min[n], s.max[n], s.sum[n]) = (s.min[0], s.max[0], s.sum[0]);
+    }
     s
 }
 

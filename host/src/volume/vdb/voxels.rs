@@ -43,7 +43,7 @@ macro_rules! with_tree {
     };
 }
 
-/// What the active values of a grid amount to. Tiles count with all their voxels.
+/// What the active values of a grid amount to. Tiles count with all their voxels; a scalar fills all three components.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Statistics {
     /// Active voxels.
