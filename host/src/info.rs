@@ -6,6 +6,8 @@ use crate::volume::Limits;
 use crate::volume::vdb::{self, Grid, MetaValue, Metadata, Statistics, VdbError, VdbFile};
 use glam::DVec3;
 use serde_json::{Map, Value, json};
+use std::cell::RefCell;
+use std::collections::BTreeSet;
 use std::fmt::Write;
 
 /// What to tell.
@@ -76,10 +78,13 @@ fn open(bytes: &[u8], options: &InfoOptions) -> Result<VdbFile, InfoError> {
     let Some(wanted) = &options.grid else {
         return Ok(vdb::read(bytes, &options.limits)?);
     };
-    let file = vdb::read_grids(bytes, &options.limits, |name| name == wanted)?;
+    let names = RefCell::new(BTreeSet::new());
+    let file = vdb::read_grids(bytes, &options.limits, |name| {
+        names.borrow_mut().insert(format!("`{name}`"));
+        name == wanted
+    })?;
     if file.grids.is_empty() {
-        let all = vdb::read(bytes, &options.limits)?;
-        let names: Vec<_> = all.grids.iter().map(|g| format!("`{}`", g.name)).collect();
+        let names: Vec<_> = names.into_inner().into_iter().collect();
         return Err(InfoError::NoSuchGrid {
             name: wanted.clone(),
             available: names.join(", "),

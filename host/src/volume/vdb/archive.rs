@@ -6,7 +6,7 @@ use super::values::{ValueReader, Voxel};
 use super::voxels::{Typed, Voxels};
 use super::{Grid, MAGIC, VdbError, VdbFile, metadata, transform, tree_read};
 use crate::volume::Limits;
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 const VERSIONS: std::ops::RangeInclusive<u32> = 222..=225;
@@ -274,20 +274,28 @@ fn read_voxels(
 
 /// Gives instances the values of their parents.
 fn share(grids: &mut [Grid]) {
-    for n in 0..grids.len() {
-        let Some(parent) = &grids[n].instance_of else {
+    let parents: HashMap<String, (Option<Arc<Voxels>>, Option<String>)> = grids
+        .iter()
+        .filter(|grid| grid.instance_of.is_none())
+        .map(|grid| {
+            let shared = (grid.voxels.clone(), grid.reason.clone());
+            (grid.unique_name.clone(), shared)
+        })
+        .collect();
+    for grid in grids {
+        let Some(parent) = &grid.instance_of else {
             continue;
         };
-        let of = |grid: &&Grid| grid.unique_name == *parent && grid.instance_of.is_none();
-        let (voxels, reason) = match grids.iter().find(of) {
-            Some(grid) if grid.voxels.is_some() => (grid.voxels.clone(), None),
-            Some(grid) => (None, grid.reason.clone()),
-            None => {
-                let reason = format!("its values are those of `{parent}`, which is missing");
-                (None, Some(reason))
+        let reason = match parents.get(parent) {
+            Some((Some(voxels), _)) => {
+                grid.voxels = Some(Arc::clone(voxels));
+                None
             }
+            Some((None, reason)) => reason.clone(),
+            None => Some(format!(
+                "its values are those of `{parent}`, which is missing"
+            )),
         };
-        grids[n].voxels = voxels;
-        grids[n].reason = grids[n].reason.take().or(reason);
+        grid.reason = grid.reason.take().or(reason);
     }
 }

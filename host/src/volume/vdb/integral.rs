@@ -75,60 +75,83 @@ pub(super) fn trilinear<T: Voxel>(tree: &Tree<T>, component: usize, p: DVec3) ->
     Block::new(tree, component, cell).value(cell, p)
 }
 
-/// The part [t0, t1] of the segment a + t (b − a), 0 ≤ t ≤ 1, outside of which everything is background.
-fn clip<T>(tree: &Tree<T>, a: DVec3, d: DVec3) -> Option<(f64, f64)> {
+/// The part of a segment outside of which everything is background.
+struct Clipped {
+    from: DVec3,
+    to: DVec3,
+    /// Its share of the whole segment.
+    share: f64,
+}
+
+/// Clips to the box of all root entries, which also brings far ends to where neighbouring voxels differ in `f64`.
+fn clip<T>(tree: &Tree<T>, a: DVec3, b: DVec3) -> Option<Clipped> {
     let (first, _) = tree.root.first()?;
-    let mut low = *first;
-    let mut high = *first;
+    let (mut low, mut high) = (*first, *first);
     for (key, _) in &tree.root {
         for axis in 0..3 {
             low[axis] = low[axis].min(key[axis]);
             high[axis] = high[axis].max(key[axis]);
         }
     }
+    // One cell more on either side: it interpolates towards the background.
+    let low = DVec3::from_array(low.map(|v| (i64::from(v) << ROOT) as f64 - 1.0));
+    let high = DVec3::from_array(high.map(|v| ((i64::from(v) + 1) << ROOT) as f64));
+    let d = b - a;
     let (mut t0, mut t1) = (0.0_f64, 1.0_f64);
     for axis in 0..3 {
-        // One cell more on either side: it interpolates towards the background.
-        let low = (i64::from(low[axis]) << ROOT) as f64 - 1.0;
-        let high = ((i64::from(high[axis]) + 1) << ROOT) as f64;
         if d[axis] == 0.0 {
-            if a[axis] < low || a[axis] > high {
+            if a[axis] < low[axis] || a[axis] > high[axis] {
                 return None;
             }
             continue;
         }
-        let s = (low - a[axis]) / d[axis];
-        let e = (high - a[axis]) / d[axis];
+        let s = (low[axis] - a[axis]) / d[axis];
+        let e = (high[axis] - a[axis]) / d[axis];
         t0 = t0.max(s.min(e));
         t1 = t1.min(s.max(e));
     }
-    (t0 < t1).then_some((t0, t1))
+    let at = |t: f64, end: DVec3, own: f64| {
+        if t == own {
+            end
+        } else {
+            (a + d * t).clamp(low, high)
+        }
+    };
+    (t0 < t1).then(|| Clipped {
+        from: at(t0, a, 0.0),
+        to: at(t1, b, 1.0),
+        share: t1 - t0,
+    })
 }
 
 /// ∫₀¹ f(a + t (b − a)) dt of the interpolant f in index space: the mean value along the segment.
 ///
 /// NaN where an end is not finite. Steps: one per leaf cell and per pair of neighbouring tiles that the segment meets.
 pub(super) fn mean_along<T: Voxel>(tree: &Tree<T>, component: usize, a: DVec3, b: DVec3) -> f64 {
-    let d = b - a;
-    if !(a.is_finite() && b.is_finite() && d.is_finite()) {
+    if !(a.is_finite() && b.is_finite() && (b - a).is_finite()) {
         return f64::NAN;
     }
     let background = tree.background.component(component);
-    let Some((t0, t1)) = clip(tree, a, d) else {
+    let Some(inside) = clip(tree, a, b) else {
         return background;
     };
-    let outside = t0 + (1.0 - t1);
-    let mut sum = if outside > 0.0 {
-        background * outside
-    } else {
-        0.0
-    };
+    let mean = walk(tree, component, inside.from, inside.to);
+    if inside.share < 1.0 {
+        return mean * inside.share + background * (1.0 - inside.share);
+    }
+    mean
+}
+
+/// [`mean_along`] of a segment within the box of all root entries.
+fn walk<T: Voxel>(tree: &Tree<T>, component: usize, a: DVec3, b: DVec3) -> f64 {
+    let d = b - a;
+    let mut sum = 0.0;
     let mut lost = 0.0; // Kahan: thousands of small terms
-    let mut t = t0;
+    let mut t = 0.0;
     let mut cell = cell_of(a + d * t);
     loop {
         let block = Block::new(tree, component, cell);
-        let mut exit = t1;
+        let mut exit = 1.0;
         let mut through = None;
         for axis in 0..3 {
             let plane = match d[axis] {
