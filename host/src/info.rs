@@ -326,4 +326,6 @@ fn statistics_text(text: &mut String, grid: &Grid, s: &Statistics) {
     );
     let (low, high) = (voxel_value(grid, s.min), voxel_value(grid, s.max));
     line(text, "active range", format!("{low} to {high}"));
+    let sum = real_value(grid, |_, n| Ok(s.sum[n])).unwrap_or(Value::Null);
+    line(text, "active sum", sum);
 }

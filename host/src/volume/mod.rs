@@ -9,7 +9,7 @@ pub mod vdb;
 /// What a volume file may cost.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Limits {
-    /// Memory that one reading call may hold at once [bytes]; the file's own bytes are not counted.
+    /// Memory that one reading call may hold at once \[bytes\]; the file's own bytes are not counted.
     pub max_memory: u64,
 }
 

@@ -4,7 +4,7 @@
 //! minus two (7: more length bytes follow, 255 goes on) and its lower five the high bits of the distance, whose low byte
 //! follows. All distance bits set announce a far match with a distance of 16 more bits.
 
-/// The longest distance that needs no far match [bytes].
+/// The longest distance that needs no far match \[bytes\].
 const NEAR: usize = 8191;
 
 /// Unfolds `packed` into `out`; returns the bytes written. Never reads or writes outside of the two.

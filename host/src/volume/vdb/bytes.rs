@@ -15,7 +15,7 @@ impl<'a> Cursor<'a> {
         Self { bytes, position: 0 }
     }
 
-    /// Offset of the next byte from the start of the file [bytes].
+    /// Offset of the next byte from the start of the file \[bytes\].
     pub(super) fn offset(&self) -> u64 {
         self.position as u64
     }
@@ -144,4 +144,19 @@ impl Budget {
         self.used = needed;
         Ok(())
     }
+}
+
+/// `count` copies of a value; an error where the machine has not that much memory, whatever the limit.
+pub(super) fn filled<T: Copy>(
+    value: T,
+    count: u64,
+    what: &'static str,
+) -> Result<Vec<T>, VdbError> {
+    let needed = count.saturating_mul(size_of::<T>() as u64);
+    let refused = || VdbError::NoMemory { what, needed };
+    let count = usize::try_from(count).map_err(|_| refused())?;
+    let mut out = Vec::new();
+    out.try_reserve_exact(count).map_err(|_| refused())?;
+    out.resize(count, value);
+    Ok(out)
 }

@@ -23,17 +23,17 @@ pub enum VdbError {
     Truncated {
         /// What was being read.
         what: &'static str,
-        /// Where it starts [bytes].
+        /// Where it starts \[bytes\].
         offset: u64,
-        /// How much it needs [bytes].
+        /// How much it needs \[bytes\].
         needed: u64,
-        /// How much is there [bytes].
+        /// How much is there \[bytes\].
         available: u64,
     },
     /// The bytes contradict the format.
     #[error("damaged at byte {offset}: {what}; fetch or export the file again")]
     Damaged {
-        /// Where [bytes].
+        /// Where \[bytes\].
         offset: u64,
         /// The contradiction.
         what: String,
@@ -41,7 +41,7 @@ pub enum VdbError {
     /// Valid perhaps, but beyond this reader.
     #[error("not supported at byte {offset}: {what}")]
     Unsupported {
-        /// Where [bytes].
+        /// Where \[bytes\].
         offset: u64,
         /// What is beyond it, and a way around.
         what: String,
@@ -53,10 +53,18 @@ pub enum VdbError {
     Memory {
         /// What would need it.
         what: &'static str,
-        /// The total that would be needed [bytes].
+        /// The total that would be needed \[bytes\].
         needed: u64,
-        /// The limit [bytes].
+        /// The limit \[bytes\].
         limit: u64,
+    },
+    /// More memory than the machine gives, although the limit would allow it.
+    #[error("{what} needs {needed} bytes of memory, which this machine does not give")]
+    NoMemory {
+        /// What would need it.
+        what: &'static str,
+        /// How much it needs \[bytes\].
+        needed: u64,
     },
     /// A question about values was put to a grid that was listed without them.
     #[error("its values cannot be used: {0}")]

@@ -73,7 +73,7 @@ impl Grid {
         Ok(self.voxels()?.trilinear(n, self.transform.to_index(world)))
     }
 
-    /// Line integral [value · world length] of the trilinear interpolant of component `n` along a segment of the world:
+    /// Line integral \[value · world length\] of the trilinear interpolant of component `n` along a segment of the world:
     /// the optical depth where the values are extinction. Exact up to rounding.
     ///
     /// # Errors

@@ -9,14 +9,14 @@ use super::tree::{Found, ROOT, Tree};
 use super::values::Voxel;
 use glam::DVec3;
 
-/// Largest index coordinate treated as such [voxels]; far outside of all that 32-bit trees hold.
+/// Largest index coordinate treated as such \[voxels\]; far outside of all that 32-bit trees hold.
 const FAR: f64 = 1e15;
 
 /// Cells that share the values of their corners: a box of whole cells in index space.
 struct Block {
     /// Corner values; bit 2 of the index is the x side, bit 1 y, bit 0 z.
     corners: [f64; 8],
-    /// Lowest and highest plane of the box per axis [voxels].
+    /// Lowest and highest plane of the box per axis \[voxels\].
     low: [i64; 3],
     high: [i64; 3],
 }

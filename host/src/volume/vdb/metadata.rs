@@ -28,7 +28,7 @@ pub enum MetaValue {
     Integers(Vec<i64>),
     /// `float`, `double`, their vectors, quaternions and matrices (row by row).
     Reals(Vec<f64>),
-    /// A type this reader does not know; only its size [bytes] is kept.
+    /// A type this reader does not know; only its size \[bytes\] is kept.
     Unknown(u32),
 }
 

@@ -24,13 +24,13 @@ enum Map {
 /// A tapered box: the lateral scale grows linearly with depth, then an affine map follows.
 #[derive(Debug, Clone, PartialEq)]
 struct Frustum {
-    /// Corner of the index-space box [voxels].
+    /// Corner of the index-space box \[voxels\].
     min: DVec3,
-    /// Extents of the index-space box [voxels].
+    /// Extents of the index-space box \[voxels\].
     size: DVec3,
     /// Relative growth of the lateral scale per unit of depth, (1/taper − 1)/depth.
     gamma: f64,
-    /// Depth of the unit frustum [1].
+    /// Depth of the unit frustum \[1\].
     depth: f64,
     forward: DAffine3,
     inverse: DAffine3,

@@ -1,7 +1,7 @@
 //! Reading a tree: first the topology of all nodes, then the values of all leaves in the same order.
 
 use super::VdbError;
-use super::bytes::{Budget, Cursor};
+use super::bytes::{Budget, Cursor, filled};
 use super::tree::{Internal, LEAF_VOXELS, ROOT, RootEntry, Tiles, Tree};
 use super::values::{ValueReader, Voxel, count, read_mask};
 
@@ -148,11 +148,11 @@ fn leaves<T: Voxel>(
     tree: &mut Tree<T>,
 ) -> Result<(), VdbError> {
     let leaves = tree.leaf_masks.len();
-    let total = leaves * LEAF_VOXELS;
     // Every leaf repeats its mask and has a byte on top, however well it is packed.
     cursor.need(leaves as u64 * 65, "the leaves")?;
-    budget.charge((total * size_of::<T>()) as u64, "the leaves")?;
-    tree.leaf_values = vec![tree.background; total];
+    let total = leaves as u64 * LEAF_VOXELS as u64;
+    budget.charge(total * size_of::<T>() as u64, "the leaves")?;
+    tree.leaf_values = filled(tree.background, total, "the leaves")?;
     let mut mask = Vec::new();
     let slots = tree.leaf_values.chunks_exact_mut(LEAF_VOXELS);
     for (slot, leaf_mask) in slots.zip(&mut tree.leaf_masks) {

@@ -7,7 +7,7 @@ use half::f16;
 
 /// A type that voxels may have.
 pub(super) trait Voxel: Copy + PartialEq + std::fmt::Debug + Send + Sync + 'static {
-    /// Size in a file [bytes].
+    /// Size in a file \[bytes\].
     const SIZE: usize;
     /// 1 for scalars, 3 for vectors.
     const COMPONENTS: usize;

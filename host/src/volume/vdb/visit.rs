@@ -1,5 +1,6 @@
 //! Walks over everything a tree stores: statistics, unusable values, dense boxes.
 
+use super::bytes::filled;
 use super::tree::{LEAF_VOXELS, LOWER, ROOT, RootEntry, Tree, UPPER, entry_origin, root_origin};
 use super::values::{Voxel, bit};
 use super::{InvalidValue, Statistics, VdbError};
@@ -197,14 +198,16 @@ pub(super) fn dense<T: Voxel, U: Copy>(
     // Below 2^65 each, so the first product fits; the rest saturates.
     let voxels = (size[0] * size[1].min(1 << 62)).saturating_mul(size[2]);
     let needed = voxels.saturating_mul(size_of::<U>() as u128);
-    if needed > u128::from(limits.max_memory) || needed > isize::MAX as u128 {
+    const WHAT: &str = "a dense copy of the grid";
+    if needed > u128::from(limits.max_memory) {
         return Err(VdbError::Memory {
-            what: "a dense copy of the grid",
+            what: WHAT,
             needed: u64::try_from(needed).unwrap_or(u64::MAX),
             limit: limits.max_memory,
         });
     }
-    let mut out = vec![convert(tree.background); voxels as usize];
+    // At most `needed`, which fits the limit.
+    let mut out = filled(convert(tree.background), voxels as u64, WHAT)?;
     if out.is_empty() {
         return Ok(out);
     }

@@ -52,7 +52,7 @@ pub struct Statistics {
     pub active_tiles: u64,
     /// Leaf nodes (8³ voxels).
     pub leaf_nodes: u64,
-    /// Box of the active voxels, both ends inclusive [voxels].
+    /// Box of the active voxels, both ends inclusive \[voxels\].
     pub active_bbox: Option<([i64; 3], [i64; 3])>,
     /// Box outside of which every value, active or not, is the background's. What interpolates must cover this one.
     pub stored_bbox: Option<([i64; 3], [i64; 3])>,
