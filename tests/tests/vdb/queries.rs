@@ -209,3 +209,20 @@ fn info_answers_in_json() {
     let other = info_json(b"NanoVDB0", &options).expect_err("not yet");
     assert!(other.to_string().contains("not yet supported"), "{other}");
 }
+
+#[test]
+fn versions_of_one_layout_are_read_and_others_refused() {
+    let mut file = bytes("vdb/cloud_blosc.vdb");
+    let whole = load("vdb/cloud_blosc.vdb").grids[0].statistics();
+    for version in 220_u32..=227 {
+        file[8..12].copy_from_slice(&version.to_le_bytes());
+        match vdb::read(&file, &Limits::default()) {
+            Ok(file) => {
+                assert!((222..=225).contains(&version), "{version}");
+                assert_eq!(file.version, version);
+                assert_eq!(file.grids[0].statistics(), whole);
+            }
+            Err(error) => assert_eq!(error, vdb::VdbError::Version(version)),
+        }
+    }
+}
