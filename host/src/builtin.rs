@@ -115,7 +115,8 @@ fn noise(p: [f32; 3]) -> f32 {
 /// A random value of a lattice point, in [0, 1).
 fn random(p: [i32; 3]) -> f32 {
     let [x, y, z] = p.map(i32::cast_unsigned);
-    let mut h = x.wrapping_mul(0x8da6_b343) ^ y.wrapping_mul(0xd816_3841) ^ z.wrapping_mul(0xcb1a_b31f);
+    let mut h =
+        x.wrapping_mul(0x8da6_b343) ^ y.wrapping_mul(0xd816_3841) ^ z.wrapping_mul(0xcb1a_b31f);
     h = (h ^ (h >> 16)).wrapping_mul(0x7feb_352d);
     h = (h ^ (h >> 15)).wrapping_mul(0x846c_a68b);
     (h >> 8) as f32 / 16_777_216.0
@@ -138,10 +139,18 @@ mod tests {
         assert!(grid.density.iter().all(|d| (0.0..=1.0).contains(d)));
         for y in 0..ny {
             for x in 0..nx {
-                assert_eq!(at(x, y, 0).max(at(x, y, nz - 1)), 0.0, "cut off at {x}, {y}");
+                assert_eq!(
+                    at(x, y, 0).max(at(x, y, nz - 1)),
+                    0.0,
+                    "cut off at {x}, {y}"
+                );
             }
             for z in 0..nz {
-                assert_eq!(at(0, y, z).max(at(nx - 1, y, z)), 0.0, "cut off at {y}, {z}");
+                assert_eq!(
+                    at(0, y, z).max(at(nx - 1, y, z)),
+                    0.0,
+                    "cut off at {y}, {z}"
+                );
             }
         }
     }

@@ -1,12 +1,20 @@
-//! The woodcock renderer as a library: scenes, volumes, film, images.
+//! The woodcock renderer as a library: scenes, volumes, worlds, film, images.
+//!
+//! A scene file becomes a [`scene::Scene`], which says what is where; [`world::assemble`] reads its
+//! volumes and makes the tables, the geometry and the choice of kernel that [`render`] traces paths with;
+//! [`film`] sums their samples exactly, and [`image`] writes the picture.
 #![forbid(unsafe_code)]
 
+pub mod builtin;
 #[cfg(feature = "cli")]
 pub mod cli;
 pub mod drive;
 pub mod film;
 pub mod image;
+pub mod info;
 pub mod output;
+pub mod render;
 pub mod report;
 pub mod scene;
 pub mod volume;
+pub mod world;

@@ -35,6 +35,16 @@ pub struct Plan {
     pub settings: Settings,
 }
 
+impl Kernel {
+    /// Its name on the command line and in reports.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Packet => "packet",
+            Self::Scalar => "scalar",
+        }
+    }
+}
+
 impl Plan {
     /// The plan of a world under choices of the user.
     pub fn new(
@@ -45,7 +55,11 @@ impl Plan {
         max_depth: Option<u32>,
     ) -> Self {
         let max_depth = max_depth.or(world.max_depth).unwrap_or(u32::MAX);
-        Self { kernel, seed, settings: Settings { max_depth, shadow } }
+        Self {
+            kernel,
+            seed,
+            settings: Settings { max_depth, shadow },
+        }
     }
 }
 
@@ -81,7 +95,10 @@ impl<R: woodcock_core::real::Real> Geometry<R> for Nothing {
     ) -> woodcock_core::path::Stretch<R> {
         use woodcock_core::real::{Mask, Word};
         woodcock_core::path::Stretch {
-            interval: woodcock_core::ray::Interval { t0: R::zero(), t1: R::zero() },
+            interval: woodcock_core::ray::Interval {
+                t0: R::zero(),
+                t1: R::zero(),
+            },
             medium: R::Word::splat(0),
             found: R::Mask::splat(false),
         }
@@ -111,17 +128,17 @@ fn kind(world: &World) -> Kind {
 
 /// The name of the kernel that runs, for `explain` and the statistics.
 pub fn kernel_name(world: &World, kernel: Kernel) -> String {
-    let width = match kernel {
-        Kernel::Packet => "packet",
-        Kernel::Scalar => "scalar",
-    };
     let medium = match kind(world) {
         Kind::Homogeneous => "homogeneous",
         Kind::Grid => "grid",
         Kind::Several => "several media",
     };
-    let colour = if world.needs.runs(Feature::Chromatic) { "chromatic" } else { "grey" };
-    format!("{width}: {medium}, {colour}")
+    let colour = if world.needs.runs(Feature::Chromatic) {
+        "chromatic"
+    } else {
+        "grey"
+    };
+    format!("{}: {medium}, {colour}", kernel.name())
 }
 
 /// Runs a job with the kernel of a world.
@@ -241,7 +258,15 @@ impl Job for Pass<'_> {
 /// The path of a pixel's sample.
 fn request(world: &World, seed: u64, x: u32, y: u32, sample: u32) -> PathRequest {
     let pixel = y.wrapping_mul(world.resolution[0]).wrapping_add(x);
-    PathRequest { x, y, key: Key { seed, pixel, sample } }
+    PathRequest {
+        x,
+        y,
+        key: Key {
+            seed,
+            pixel,
+            sample,
+        },
+    }
 }
 
 fn trace_tile<M, G, const CHROMATIC: bool, const RAYLEIGH: bool>(
@@ -277,12 +302,15 @@ where
         }
         Kernel::Scalar => {
             for request in requests {
-                let path = trace::trace_scalar::<M, G, CHROMATIC, RAYLEIGH>(
-                    scene,
-                    request,
-                    &mut counts,
+                let path =
+                    trace::trace_scalar::<M, G, CHROMATIC, RAYLEIGH>(scene, request, &mut counts);
+                tile.add(
+                    request.x,
+                    request.y,
+                    request.key.sample,
+                    path.radiance,
+                    path.alpha,
                 );
-                tile.add(request.x, request.y, request.key.sample, path.radiance, path.alpha);
             }
         }
     }
@@ -297,7 +325,17 @@ pub fn render_pass(
     samples: Range<u32>,
     progress: &dyn Progress,
 ) -> Counts {
-    with_kernel(world, plan, Pass { world, plan, film, samples, progress })
+    with_kernel(
+        world,
+        plan,
+        Pass {
+            world,
+            plan,
+            film,
+            samples,
+            progress,
+        },
+    )
 }
 
 /// One path, again.
@@ -326,5 +364,11 @@ impl Job for Replay {
 ///
 /// * `x`, `y`: a pixel of the whole picture. `sample`: which of its paths.
 pub fn replay(world: &World, plan: &Plan, x: u32, y: u32, sample: u32) -> (PathSample, Counts) {
-    with_kernel(world, plan, Replay { request: request(world, plan.seed, x, y, sample) })
+    with_kernel(
+        world,
+        plan,
+        Replay {
+            request: request(world, plan.seed, x, y, sample),
+        },
+    )
 }

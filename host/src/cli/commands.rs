@@ -9,6 +9,7 @@ use woodcock_core::path::{Counts, ShadowEstimator};
 use super::args::{self, ExplainArgs, InfoArgs, RenderArgs};
 use super::failure::{self, Failure};
 use super::render::{Prepared, Rendered};
+use crate::builtin;
 use crate::drive::{Goal, Watch, drive};
 use crate::film::Film;
 use crate::image::RenderMetadata;
@@ -18,7 +19,6 @@ use crate::report::{Statistics, cpu_time};
 use crate::scene::{self, DiskFiles, Files, Scene};
 use crate::volume::Limits;
 use crate::world::{self, Feature, World};
-use crate::builtin;
 
 /// Samples per pixel where neither the scene nor the user says.
 const DEFAULT_SAMPLES: u32 = 64;
@@ -30,11 +30,22 @@ struct Loaded {
     name: String,
 }
 
-fn load(scene_file: Option<&PathBuf>, options: &world::Options, lenient: bool, quiet: bool) -> Result<Loaded, Failure> {
+fn load(
+    scene_file: Option<&PathBuf>,
+    options: &world::Options,
+    lenient: bool,
+    quiet: bool,
+) -> Result<Loaded, Failure> {
     let (scene, name) = match scene_file {
         Some(path) => {
-            let reading = scene::Options { lenient, max_memory: options.limits.max_memory };
-            (scene::read(path, &DiskFiles, &reading)?, path.display().to_string())
+            let reading = scene::Options {
+                lenient,
+                max_memory: options.limits.max_memory,
+            };
+            (
+                scene::read(path, &DiskFiles, &reading)?,
+                path.display().to_string(),
+            )
         }
         None => {
             if !quiet {
@@ -59,7 +70,10 @@ fn limits(max_memory: Option<u64>) -> Limits {
 fn options(args: &RenderArgs) -> Result<world::Options, Failure> {
     let keep = args.keep.iter().map(|name| {
         Feature::kept(name).ok_or_else(|| {
-            let known = Feature::ALL.iter().filter(|f| f.can_be_kept()).map(|f| f.name());
+            let known = Feature::ALL
+                .iter()
+                .filter(|f| f.can_be_kept())
+                .map(|f| f.name());
             let known: Vec<_> = known.collect();
             Failure::Usage(format!("--keep {name}: there is {}", known.join(", ")))
         })
@@ -77,7 +91,8 @@ fn plan(args: &RenderArgs, scene: &Scene, world: &World) -> Result<(Plan, String
     let tracking = world.needs.runs(Feature::Tracking);
     let (shadow, name) = match args.transmittance {
         Some(args::Transmittance::Closed) if tracking => {
-            let message = "--transmittance closed: this scene has media on grids, which have no closed form";
+            let message =
+                "--transmittance closed: this scene has media on grids, which have no closed form";
             return Err(Failure::Usage(message.into()));
         }
         Some(args::Transmittance::Delta) if world.needs.runs(Feature::Chromatic) => {
@@ -93,7 +108,10 @@ fn plan(args: &RenderArgs, scene: &Scene, world: &World) -> Result<(Plan, String
         args::Kernel::Scalar => Kernel::Scalar,
     };
     let seed = args.seed.or(scene.seed).unwrap_or(0);
-    Ok((Plan::new(world, kernel, seed, shadow, args.max_depth), name.to_owned()))
+    Ok((
+        Plan::new(world, kernel, seed, shadow, args.max_depth),
+        name.to_owned(),
+    ))
 }
 
 /// Prepares `woodcock render`.
@@ -111,9 +129,7 @@ pub fn prepare(args: &RenderArgs) -> Result<Prepared, Failure> {
     });
     let goal = Goal {
         samples: match (args.spp, args.time) {
-            (None, None) => {
-                Some(loaded.scene.samples_per_pixel.unwrap_or(DEFAULT_SAMPLES))
-            }
+            (None, None) => Some(loaded.scene.samples_per_pixel.unwrap_or(DEFAULT_SAMPLES)),
             (spp, _) => spp,
         },
         time: args.time,
@@ -161,11 +177,10 @@ fn render(
         Ok::<_, Failure>(())
     })?;
     let counts = counts.into_inner();
-    let cpu = cpu_before.zip(cpu_time()).map(|(a, b)| b.saturating_sub(a).as_secs_f64());
-    let kernel = match plan.kernel {
-        Kernel::Packet => "packet",
-        Kernel::Scalar => "scalar",
-    };
+    let cpu = cpu_before
+        .zip(cpu_time())
+        .map(|(a, b)| b.saturating_sub(a).as_secs_f64());
+    let kernel = plan.kernel.name();
     let lanes = match plan.kernel {
         Kernel::Packet => woodcock_packet::lanes::LANES as u64,
         Kernel::Scalar => 1,
@@ -217,7 +232,12 @@ pub fn replay(args: &RenderArgs) -> Result<String, Failure> {
     let Some(wanted) = args.replay else {
         return Err(Failure::Usage("--replay x,y,sample is missing".into()));
     };
-    let loaded = load(args.scene.as_ref(), &options(args)?, args.lenient, args.quiet)?;
+    let loaded = load(
+        args.scene.as_ref(),
+        &options(args)?,
+        args.lenient,
+        args.quiet,
+    )?;
     let [width, height] = loaded.world.resolution;
     let (x, y, sample) = (wanted.x, wanted.y, wanted.sample);
     if x >= width || y >= height {
@@ -252,7 +272,13 @@ pub fn replay(args: &RenderArgs) -> Result<String, Failure> {
 /// # Errors
 /// As [`prepare`].
 pub fn explain(args: &ExplainArgs) -> Result<String, Failure> {
-    let loaded = load(args.scene.as_ref(), &world::Options::default(), args.lenient, false)?;
+    let loaded = {
+        let options = world::Options {
+            limits: limits(args.max_memory),
+            ..world::Options::default()
+        };
+        load(args.scene.as_ref(), &options, args.lenient, false)?
+    };
     let Loaded { scene, world, name } = loaded;
     let [width, height] = world.resolution;
     let mut text = format!(
@@ -282,8 +308,8 @@ pub fn info(args: &InfoArgs) -> Result<String, Failure> {
     let options = InfoOptions {
         grid: args.grid.clone(),
         at: args.at.clone(),
-        rays: args.rays.clone(),
-        limits: limits(None),
+        rays: args.ray.clone(),
+        limits: limits(args.max_memory),
     };
     let context = |error: crate::info::InfoError| {
         Failure::message(format!("{}: {error}", args.file.display()))

@@ -8,6 +8,7 @@
 pub mod args;
 #[cfg(test)]
 mod args_tests;
+pub mod commands;
 pub mod cpu;
 pub mod failure;
 pub mod info;

@@ -88,7 +88,10 @@ fn bounds(surface: &Surface) -> (DVec3, DVec3) {
 fn aabb((low, high): (DVec3, DVec3)) -> Aabb {
     let room = (high - low).max_element() * 1e-5 + low.abs().max(high.abs()).max_element() * 1e-5;
     let vec = |v: DVec3| Vec3A::new(v.x as f32, v.y as f32, v.z as f32);
-    Aabb::new(vec(low - DVec3::splat(room)), vec(high + DVec3::splat(room)))
+    Aabb::new(
+        vec(low - DVec3::splat(room)),
+        vec(high + DVec3::splat(room)),
+    )
 }
 
 impl Boundaries {
@@ -112,7 +115,11 @@ impl Boundaries {
                 scene::Shape::TriangleMesh(mesh) => {
                     let vertex = |i: u32| mesh.positions.get(i as usize).map(|p| *p - origin);
                     let triangles = mesh.indices.iter().filter_map(|t| {
-                        Some(Surface::Triangle([vertex(t[0])?, vertex(t[1])?, vertex(t[2])?]))
+                        Some(Surface::Triangle([
+                            vertex(t[0])?,
+                            vertex(t[1])?,
+                            vertex(t[2])?,
+                        ]))
                     });
                     surfaces.extend(triangles.map(|t| (t, index)));
                 }
@@ -120,7 +127,11 @@ impl Boundaries {
         }
         let boxes: Vec<_> = surfaces.iter().map(|(s, _)| aabb(bounds(s))).collect();
         let bvh = (!boxes.is_empty()).then(|| {
-            build_bvh2(&boxes, BvhBuildParams::medium_build(), &mut Duration::default())
+            build_bvh2(
+                &boxes,
+                BvhBuildParams::medium_build(),
+                &mut Duration::default(),
+            )
         });
         Self {
             surfaces,
@@ -188,19 +199,22 @@ impl Boundaries {
         let vec = |v: DVec3| Vec3A::new(v.x as f32, v.y as f32, v.z as f32);
         bvh.ray_traverse_anyhit(BvhRay::new_inf(vec(origin), vec(direction)), |_, place| {
             let surface = bvh.primitive_indices.get(place);
-            if let Some((surface, boundary)) = surface.and_then(|&i| self.surfaces.get(i as usize)) {
+            if let Some((surface, boundary)) = surface.and_then(|&i| self.surfaces.get(i as usize))
+            {
                 cross(surface, *boundary, origin, direction, &mut crossings);
             }
         });
         crossings.sort_by(|a, b| {
-            a.t.total_cmp(&b.t).then(a.boundary.cmp(&b.boundary)).then(a.enters.cmp(&b.enters))
+            a.t.total_cmp(&b.t)
+                .then(a.boundary.cmp(&b.boundary))
+                .then(a.enters.cmp(&b.enters))
         });
         crossings
     }
 }
 
 /// World as rendered to the space where a sphere is the unit sphere.
-pub fn unit_sphere(sphere: &scene::Sphere, origin: DVec3) -> glam::DAffine3 {
+pub(super) fn unit_sphere(sphere: &scene::Sphere, origin: DVec3) -> glam::DAffine3 {
     let from_unit = glam::DAffine3::from_translation(-origin)
         * sphere.object_to_world
         * glam::DAffine3::from_scale(DVec3::splat(sphere.radius));
@@ -230,23 +244,26 @@ fn clip(support: &Support, origin: DVec3, direction: DVec3) -> (f64, f64) {
 fn inside(crossings: &[Crossing], boundary: usize) -> impl Iterator<Item = (f64, f64)> {
     let mut entry = None;
     let mut begun = false;
-    crossings.iter().filter(move |c| c.boundary == boundary).filter_map(move |c| {
-        let first = !begun;
-        begun = true;
-        match (c.enters, entry) {
-            (true, None) => {
-                entry = Some(c.t);
-                None
+    crossings
+        .iter()
+        .filter(move |c| c.boundary == boundary)
+        .filter_map(move |c| {
+            let first = !begun;
+            begun = true;
+            match (c.enters, entry) {
+                (true, None) => {
+                    entry = Some(c.t);
+                    None
+                }
+                (false, Some(t0)) => {
+                    entry = None;
+                    Some((t0, c.t))
+                }
+                // Out before in: the ray begins inside.
+                (false, None) if first => Some((0.0, c.t)),
+                _ => None,
             }
-            (false, Some(t0)) => {
-                entry = None;
-                Some((t0, c.t))
-            }
-            // Out before in: the ray begins inside.
-            (false, None) if first => Some((0.0, c.t)),
-            _ => None,
-        }
-    })
+        })
 }
 
 /// Adds the crossings of a ray with a surface, at t > 0.
@@ -260,7 +277,11 @@ fn cross(
     match surface {
         Surface::Triangle(corners) => {
             if let Some((t, enters)) = cross_triangle(corners, origin, direction) {
-                crossings.push(Crossing { t, boundary, enters });
+                crossings.push(Crossing {
+                    t,
+                    boundary,
+                    enters,
+                });
             }
         }
         Surface::Sphere(to_unit) => {
@@ -276,7 +297,11 @@ fn cross(
                 crossings.extend(
                     ends.into_iter()
                         .filter(|end| end.0 > 0.0)
-                        .map(|(t, enters)| Crossing { t, boundary, enters }),
+                        .map(|(t, enters)| Crossing {
+                            t,
+                            boundary,
+                            enters,
+                        }),
                 );
             }
         }
@@ -322,7 +347,10 @@ impl<R: Real> Geometry<R> for Boundaries {
     }
 
     fn stretch(&self, ray: &Ray<R>, cursor: R::Word, active: R::Mask) -> Stretch<R> {
-        let mut interval = Interval { t0: R::zero(), t1: R::zero() };
+        let mut interval = Interval {
+            t0: R::zero(),
+            t1: R::zero(),
+        };
         let mut medium = R::Word::splat(0);
         let mut has = R::Word::splat(0);
         let mut found = Vec::new();
@@ -337,7 +365,11 @@ impl<R: Real> Geometry<R> for Boundaries {
                 has.set_lane(lane, 1);
             }
         }
-        Stretch { interval, medium, found: has.eq(R::Word::splat(1)) }
+        Stretch {
+            interval,
+            medium,
+            found: has.eq(R::Word::splat(1)),
+        }
     }
 }
 
@@ -357,8 +389,12 @@ mod tests {
                     p[(axis + 2) % 3] = v * half * sign;
                     DVec3::from_array(p)
                 };
-                let [a, b, c, d] =
-                    [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
+                let [a, b, c, d] = [
+                    corner(-1.0, -1.0),
+                    corner(1.0, -1.0),
+                    corner(1.0, 1.0),
+                    corner(-1.0, 1.0),
+                ];
                 triangles.extend([[a, b, c], [a, c, d]]);
             }
         }
@@ -370,13 +406,22 @@ mod tests {
         let mesh = cube(1.0);
         // Directions through corners, edges and the diagonals of faces, and nearly parallel ones, from far away.
         let targets = [-1.0, -0.5, 0.0, 1e-9, 1.0 / 3.0, 1.0];
-        for (x, y) in targets.iter().flat_map(|x| targets.iter().map(move |y| (*x, *y))) {
+        for (x, y) in targets
+            .iter()
+            .flat_map(|x| targets.iter().map(move |y| (*x, *y)))
+        {
             let target = DVec3::new(x, y, 0.0);
             for origin in [DVec3::new(3.0, 3.0, 3.0), DVec3::new(1e6, 2e6, -3e6)] {
                 let direction = (target - origin).normalize();
                 let mut crossings = Vec::new();
                 for triangle in &mesh {
-                    cross(&Surface::Triangle(*triangle), 0, origin, direction, &mut crossings);
+                    cross(
+                        &Surface::Triangle(*triangle),
+                        0,
+                        origin,
+                        direction,
+                        &mut crossings,
+                    );
                 }
                 crossings.sort_by(|a, b| a.t.total_cmp(&b.t));
                 let count = inside(&crossings, 0).count();
@@ -390,12 +435,23 @@ mod tests {
 
     #[test]
     fn the_first_crossing_says_where_a_ray_begins() {
-        let crossing = |t, enters| Crossing { t, boundary: 0, enters };
+        let crossing = |t, enters| Crossing {
+            t,
+            boundary: 0,
+            enters,
+        };
         let list = |c: &[Crossing]| inside(c, 0).collect::<Vec<_>>();
-        assert_eq!(list(&[crossing(1.0, true), crossing(2.0, false)]), [(1.0, 2.0)]);
+        assert_eq!(
+            list(&[crossing(1.0, true), crossing(2.0, false)]),
+            [(1.0, 2.0)]
+        );
         assert_eq!(list(&[crossing(2.0, false)]), [(0.0, 2.0)]);
         // An edge counted twice, and a surface that is not closed.
-        let doubled = [crossing(1.0, true), crossing(1.0, true), crossing(2.0, false)];
+        let doubled = [
+            crossing(1.0, true),
+            crossing(1.0, true),
+            crossing(2.0, false),
+        ];
         assert_eq!(list(&doubled), [(1.0, 2.0)]);
         assert_eq!(list(&[crossing(1.0, true)]), []);
     }

@@ -72,7 +72,7 @@ struct Samples {
 ///
 /// # Errors
 /// What is wrong with its file or values, at the medium's place in the scene.
-pub fn assemble(
+pub(super) fn assemble(
     medium: &NamedMedium,
     origin: DVec3,
     files: &dyn Files,
@@ -88,7 +88,13 @@ pub fn assemble(
         let message = format!("extinction {scale:e} is beyond the range of 32-bit numbers");
         return Err(SceneError::at(&medium.place, message).help("change the unit of length"));
     }
-    let ratio = |part: f64, whole: f64| if whole > 0.0 { (part / whole) as f32 } else { 0.0 };
+    let ratio = |part: f64, whole: f64| {
+        if whole > 0.0 {
+            (part / whole) as f32
+        } else {
+            0.0
+        }
+    };
     let (g, rayleigh) = match medium.phase {
         Phase::Isotropic => (0.0, false),
         Phase::HenyeyGreenstein { g } => (g as f32, false),
@@ -108,7 +114,10 @@ pub fn assemble(
     };
     let samples = match &medium.kind {
         MediumKind::Homogeneous => {
-            return Ok(Some(Medium { record, support: None }));
+            return Ok(Some(Medium {
+                record,
+                support: None,
+            }));
         }
         MediumKind::UniformGrid(grid) => uniform(grid, limits),
         MediumKind::OpenVdb(vdb) => {
@@ -127,9 +136,13 @@ pub fn assemble(
     };
     let placed = place(medium, &samples, origin)
         .ok_or_else(|| SceneError::at(&medium.place, "the medium's transform is singular"))?;
-    record.kind = append(samples, placed.0, tables)
-        .map_err(|why| SceneError::at(&medium.place, format!("medium \"{}\": {why}", medium.name)))?;
-    Ok(Some(Medium { record, support: Some(placed.1) }))
+    record.kind = append(samples, placed.0, tables).map_err(|why| {
+        SceneError::at(&medium.place, format!("medium \"{}\": {why}", medium.name))
+    })?;
+    Ok(Some(Medium {
+        record,
+        support: Some(placed.1),
+    }))
 }
 
 /// The map from the rendered world to grid space, and the box.
@@ -145,13 +158,17 @@ fn place(medium: &NamedMedium, samples: &Samples, origin: DVec3) -> Option<(Affi
 }
 
 /// The rows of an affine map in single precision.
-pub fn rows(map: &DAffine3) -> Affine {
+pub(super) fn rows(map: &DAffine3) -> Affine {
     let (m, t) = (map.matrix3, map.translation);
     [0, 1, 2].map(|r| [m.x_axis[r], m.y_axis[r], m.z_axis[r], t[r]].map(|x| x as f32))
 }
 
 /// Adds a grid to the tables, with its bounds.
-fn append(samples: Samples, world_to_grid: Affine, tables: &mut Tables) -> Result<RecordKind, String> {
+fn append(
+    samples: Samples,
+    world_to_grid: Affine,
+    tables: &mut Tables,
+) -> Result<RecordKind, String> {
     let dims = samples.dims;
     let bounds = majorant_count(dims).ok_or("its grid has too many voxels")?;
     let (first, first_bound) = (tables.samples.len(), tables.majorants.len());
@@ -194,7 +211,13 @@ fn uniform(grid: &UniformGrid, limits: &Limits) -> Result<Option<Samples>, Strin
         translation: grid.p0 - cell * 0.5,
     };
     let half = DVec3::splat(0.5);
-    Ok(Some(Samples { values, dims, to_medium, low: half, high: n + half }))
+    Ok(Some(Samples {
+        values,
+        dims,
+        to_medium,
+        low: half,
+        high: n + half,
+    }))
 }
 
 /// The dimensions of a grid with a rim of one sample, if memory has room for it.
@@ -218,7 +241,11 @@ fn openvdb(bytes: &[u8], name: &str, limits: &Limits) -> Result<Option<Samples>,
     let text = |error: vdb::VdbError| error.to_string();
     let file = vdb::read_grids(bytes, limits, |grid| grid == name).map_err(text)?;
     let Some(grid) = file.grid(name) else {
-        let names: Vec<_> = file.grids.iter().map(|g| format!("\"{}\"", g.name)).collect();
+        let names: Vec<_> = file
+            .grids
+            .iter()
+            .map(|g| format!("\"{}\"", g.name))
+            .collect();
         return Err(match names.is_empty() {
             true => format!("there is no grid \"{name}\": the file has no grids"),
             false => format!("there is no grid \"{name}\", only {}", names.join(", ")),
@@ -229,7 +256,9 @@ fn openvdb(bytes: &[u8], name: &str, limits: &Limits) -> Result<Option<Samples>,
     }
     let voxels = grid.voxels().map_err(text)?;
     if voxels.components() != 1 {
-        return Err(format!("grid \"{name}\" has vectors; a density is one number a voxel"));
+        return Err(format!(
+            "grid \"{name}\" has vectors; a density is one number a voxel"
+        ));
     }
     if let Some(invalid) = voxels.first_invalid() {
         return Err(format!(
@@ -237,7 +266,9 @@ fn openvdb(bytes: &[u8], name: &str, limits: &Limits) -> Result<Option<Samples>,
         ));
     }
     let Some(to_medium) = grid.transform.affine() else {
-        return Err(format!("grid \"{name}\" lies in a frustum, which cannot be rendered"));
+        return Err(format!(
+            "grid \"{name}\" lies in a frustum, which cannot be rendered"
+        ));
     };
     let Some((min, max)) = voxels.statistics().stored_bbox else {
         return Ok(None);

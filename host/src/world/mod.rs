@@ -112,13 +112,22 @@ pub fn assemble(scene: &Scene, files: &dyn Files, options: &Options) -> Result<W
     let keep = &options.keep;
     let mut needs = Needs::default();
 
-    let grids = assembled.media.iter().filter(|m| m.support.is_some()).count();
+    let grids = assembled
+        .media
+        .iter()
+        .filter(|m| m.support.is_some())
+        .count();
     let total = assembled.media.len();
-    needs.decide(Feature::Tracking, grids > 0, keep, match (total, grids) {
-        (0, _) => "no medium to be seen".to_owned(),
-        (_, 0) => "homogeneous media only: closed form".to_owned(),
-        _ => format!("{grids} of {total} media on grids"),
-    });
+    needs.decide(
+        Feature::Tracking,
+        grids > 0,
+        keep,
+        match (total, grids) {
+            (0, _) => "no medium to be seen".to_owned(),
+            (_, 0) => "homogeneous media only: closed form".to_owned(),
+            _ => format!("{grids} of {total} media on grids"),
+        },
+    );
     let chromatic_media = assembled.media.iter().filter(|m| m.is_chromatic()).count();
     let chromatic = needs.decide(
         Feature::Chromatic,
@@ -130,17 +139,37 @@ pub fn assemble(scene: &Scene, files: &dyn Files, options: &Options) -> Result<W
             "grey extinction: one scalar weight".to_owned()
         },
     );
-    let place = locate(scene, &assembled, origin, chromatic, keep, &mut needs, &mut warnings)?;
+    let place = locate(
+        scene,
+        &assembled,
+        origin,
+        chromatic,
+        keep,
+        &mut needs,
+        &mut warnings,
+    )?;
     lights_needed(scene, keep, &mut needs);
     let rayleigh = assembled.media.iter().any(|m| m.record.rayleigh);
-    let reason = if rayleigh { "a medium scatters so" } else { "no medium scatters so" };
+    let reason = if rayleigh {
+        "a medium scatters so"
+    } else {
+        "no medium scatters so"
+    };
     needs.decide(Feature::Rayleigh, rayleigh, keep, reason);
     let lens = scene.camera.lens_radius > 0.0;
-    let reason = if lens { "a lens of finite size" } else { "a pinhole" };
+    let reason = if lens {
+        "a lens of finite size"
+    } else {
+        "a pinhole"
+    };
     needs.decide(Feature::Lens, lens, keep, reason);
 
     let (distant, environment) = lights(scene)?;
-    let records = assembled.media.iter().flat_map(|m| m.record.to_words()).collect::<Vec<_>>();
+    let records = assembled
+        .media
+        .iter()
+        .flat_map(|m| m.record.to_words())
+        .collect::<Vec<_>>();
     debug_assert_eq!(records.len(), assembled.media.len() * RECORD_WORDS);
     Ok(World {
         resolution,
@@ -183,13 +212,20 @@ fn picture(scene: &Scene, options: &Options) -> Result<([u32; 2], Window), Scene
         }
         None => {
             let c = &film.crop;
-            Window { x0: c.x0, y0: c.y0, x1: c.x1, y1: c.y1 }
+            Window {
+                x0: c.x0,
+                y0: c.y0,
+                x1: c.x1,
+                y1: c.y1,
+            }
         }
     };
     if window.is_empty() {
         return Err(error("the crop window holds no pixel".into()));
     }
-    let needed = window.pixels().saturating_mul(crate::film::Film::BYTES_PER_PIXEL as u64);
+    let needed = window
+        .pixels()
+        .saturating_mul(crate::film::Film::BYTES_PER_PIXEL);
     let limit = options.limits.max_memory;
     if needed > limit {
         return Err(error(format!(
@@ -222,8 +258,13 @@ fn local_origin(scene: &Scene) -> DVec3 {
     if low.is_finite() {
         return (low + high) * 0.5;
     }
-    let grid = scene.media.iter().find(|m| !matches!(m.kind, MediumKind::Homogeneous));
-    grid.map_or(scene.camera.camera_to_world.translation, |m| m.medium_to_world.translation)
+    let grid = scene
+        .media
+        .iter()
+        .find(|m| !matches!(m.kind, MediumKind::Homogeneous));
+    grid.map_or(scene.camera.camera_to_world.translation, |m| {
+        m.medium_to_world.translation
+    })
 }
 
 fn assemble_media(
@@ -235,17 +276,31 @@ fn assemble_media(
     let used = |id: usize| {
         let id = Some(MediumId(id));
         scene.camera_medium == id
-            || scene.boundaries.iter().any(|b| b.inside == id || b.outside == id)
+            || scene
+                .boundaries
+                .iter()
+                .any(|b| b.inside == id || b.outside == id)
     };
-    let mut assembled =
-        Assembled { media: Vec::new(), index: Vec::new(), tables: Tables::default() };
+    let mut assembled = Assembled {
+        media: Vec::new(),
+        index: Vec::new(),
+        tables: Tables::default(),
+    };
     for (id, description) in scene.media.iter().enumerate() {
         let seen = if used(id) {
-            medium::assemble(description, origin, files, &options.limits, &mut assembled.tables)?
+            medium::assemble(
+                description,
+                origin,
+                files,
+                &options.limits,
+                &mut assembled.tables,
+            )?
         } else {
             None
         };
-        assembled.index.push(seen.as_ref().map(|_| assembled.media.len()));
+        assembled
+            .index
+            .push(seen.as_ref().map(|_| assembled.media.len()));
         assembled.media.extend(seen);
     }
     Ok(assembled)
@@ -265,7 +320,10 @@ fn locate(
         .boundaries
         .iter()
         .map(|b| {
-            let sides = Sides { inside: assembled.of(b.inside), outside: assembled.of(b.outside) };
+            let sides = Sides {
+                inside: assembled.of(b.inside),
+                outside: assembled.of(b.outside),
+            };
             (b, sides)
         })
         .filter(|(_, sides)| sides.inside != sides.outside)
@@ -277,7 +335,9 @@ fn locate(
         && assembled.of(Some(id)).is_some()
         && let Some(medium) = scene.medium(id)
     {
-        warnings.push(SceneError::at(&medium.place, "the camera's medium reaches nowhere").into_warning());
+        warnings.push(
+            SceneError::at(&medium.place, "the camera's medium reaches nowhere").into_warning(),
+        );
     }
     let several = needs.decide(
         Feature::SeveralMedia,
@@ -340,7 +400,9 @@ fn exterior(
     }
     let outside = boundaries.iter().filter_map(|(_, sides)| sides.outside);
     outside.into_iter().find(|medium| {
-        boundaries.iter().all(|(_, sides)| sides.inside != Some(*medium))
+        boundaries
+            .iter()
+            .all(|(_, sides)| sides.inside != Some(*medium))
     })
 }
 
@@ -359,13 +421,24 @@ fn convex(
             Some(support) => shape::convex_box(support),
             None => Convex::Everywhere,
         }),
-        ([(boundary, Sides { inside: Some(_), outside: None })], None) => {
+        (
+            [
+                (
+                    boundary,
+                    Sides {
+                        inside: Some(_),
+                        outside: None,
+                    },
+                ),
+            ],
+            None,
+        ) => {
             let region = Region::of(boundary, origin)?;
             match &medium.support {
                 None => Some(region.convex()),
-                Some(support) => {
-                    region.contains(&support.corners()).then(|| shape::convex_box(support))
-                }
+                Some(support) => region
+                    .contains(&support.corners())
+                    .then(|| shape::convex_box(support)),
             }
         }
         _ => None,
@@ -388,7 +461,13 @@ fn overlaps(
             Shape::Sphere(sphere) => {
                 let m = DAffine3::from_translation(-origin) * sphere.object_to_world;
                 let corner = |i: usize| {
-                    let sign = |bit: usize| if i >> bit & 1 == 1 { sphere.radius } else { -sphere.radius };
+                    let sign = |bit: usize| {
+                        if i >> bit & 1 == 1 {
+                            sphere.radius
+                        } else {
+                            -sphere.radius
+                        }
+                    };
                     m.transform_point3(DVec3::new(sign(0), sign(1), sign(2)))
                 };
                 (0..8).map(corner).collect()
@@ -401,7 +480,9 @@ fn overlaps(
     };
     for (i, (a, sides_a)) in boundaries.iter().enumerate() {
         if exterior.is_some() && sides_a.outside != exterior && sides_a.inside != exterior {
-            let nested = boundaries.iter().any(|(_, s)| s.inside == sides_a.outside && s.inside.is_some());
+            let nested = boundaries
+                .iter()
+                .any(|(_, s)| s.inside == sides_a.outside && s.inside.is_some());
             if !nested {
                 return Some(a.place.clone());
             }
@@ -423,7 +504,11 @@ fn overlaps(
 }
 
 fn lights_needed(scene: &Scene, keep: &[Feature], needs: &mut Needs) {
-    let distant = scene.lights.iter().filter(|l| matches!(l, Light::Distant(_))).count();
+    let distant = scene
+        .lights
+        .iter()
+        .filter(|l| matches!(l, Light::Distant(_)))
+        .count();
     let constant = scene.lights.iter().any(|l| matches!(l, Light::Constant(_)));
     let reason = match distant {
         0 => "no light that paths cannot find themselves".to_owned(),
@@ -432,7 +517,10 @@ fn lights_needed(scene: &Scene, keep: &[Feature], needs: &mut Needs) {
     };
     needs.decide(Feature::NextEvent, distant > 0, &[], reason);
     let (reason, keep) = if constant {
-        ("paths that escape meet a constant sky without a shadow ray", keep)
+        (
+            "paths that escape meet a constant sky without a shadow ray",
+            keep,
+        )
     } else {
         ("no environment", &[][..])
     };
@@ -472,9 +560,10 @@ fn camera(scene: &Scene, resolution: [u32; 2], origin: DVec3) -> Camera {
     let from = &scene.camera;
     let window = &from.screen_window;
     let (projection, half) = match from.projection {
-        Projection::Perspective { fov } => {
-            (camera::Projection::Perspective, libm::tan(0.5 * fov.to_radians()))
-        }
+        Projection::Perspective { fov } => (
+            camera::Projection::Perspective,
+            libm::tan(0.5 * fov.to_radians()),
+        ),
         Projection::Orthographic => (camera::Projection::Orthographic, 1.0),
     };
     let axis = |from: f64, to: f64, pixels: u32| {

@@ -61,7 +61,9 @@ impl Feature {
 
     /// The feature of a name that `--keep` takes.
     pub fn kept(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|f| f.can_be_kept() && f.name() == name)
+        Self::ALL
+            .into_iter()
+            .find(|f| f.can_be_kept() && f.name() == name)
     }
 }
 
@@ -106,13 +108,19 @@ impl Needs {
             (false, false) => Decision::Skipped,
         };
         let runs = decision != Decision::Skipped;
-        self.0.push(Need { feature, decision, reason: reason.into() });
+        self.0.push(Need {
+            feature,
+            decision,
+            reason: reason.into(),
+        });
         runs
     }
 
     /// Whether the code of a feature runs.
     pub fn runs(&self, feature: Feature) -> bool {
-        self.0.iter().any(|n| n.feature == feature && n.decision != Decision::Skipped)
+        self.0
+            .iter()
+            .any(|n| n.feature == feature && n.decision != Decision::Skipped)
     }
 
     /// The names of the features whose code runs.
@@ -140,7 +148,12 @@ impl fmt::Display for Needs {
                 Decision::Skipped => "skipped",
                 Decision::Kept => "kept",
             };
-            writeln!(f, "{:<24}{decision:<10}{}", need.feature.name(), need.reason)?;
+            writeln!(
+                f,
+                "{:<24}{decision:<10}{}",
+                need.feature.name(),
+                need.reason
+            )?;
         }
         Ok(())
     }

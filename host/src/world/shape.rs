@@ -9,7 +9,7 @@ use crate::scene::{Boundary, Shape, TriangleMesh};
 
 /// A convex region, with its inside known.
 #[derive(Clone, Copy, Debug)]
-pub enum Region {
+pub(super) enum Region {
     /// The unit sphere of the space that the map leads to.
     Sphere(DAffine3),
     /// The unit cube [0, 1]³ of the space that the map leads to.
@@ -18,7 +18,7 @@ pub enum Region {
 
 impl Region {
     /// The region of a boundary whose surface encloses it with its normals outwards, if it is that simple.
-    pub fn of(boundary: &Boundary, origin: DVec3) -> Option<Self> {
+    pub(super) fn of(boundary: &Boundary, origin: DVec3) -> Option<Self> {
         match &boundary.shape {
             Shape::Sphere(sphere) => Some(Self::Sphere(unit_sphere(sphere, origin))),
             Shape::TriangleMesh(mesh) => Some(Self::Cube(unit_cube(mesh, origin)?)),
@@ -26,7 +26,7 @@ impl Region {
     }
 
     /// Whether every one of these points lies inside, and with them their convex hull.
-    pub fn contains(&self, points: &[DVec3]) -> bool {
+    pub(super) fn contains(&self, points: &[DVec3]) -> bool {
         points.iter().all(|&point| match self {
             Self::Sphere(to_unit) => to_unit.transform_point3(point).length_squared() <= 1.0,
             Self::Cube(to_unit) => {
@@ -37,18 +37,26 @@ impl Region {
     }
 
     /// As the kernels see it.
-    pub fn convex(&self) -> Convex {
+    pub(super) fn convex(&self) -> Convex {
         match self {
-            Self::Sphere(to_unit) => Convex::Sphere { to_local: rows(to_unit) },
-            Self::Cube(to_unit) => Convex::Box { to_local: rows(to_unit), size: [1.0; 3] },
+            Self::Sphere(to_unit) => Convex::Sphere {
+                to_local: rows(to_unit),
+            },
+            Self::Cube(to_unit) => Convex::Box {
+                to_local: rows(to_unit),
+                size: [1.0; 3],
+            },
         }
     }
 }
 
 /// The box of a grid as kernels see it.
-pub fn convex_box(support: &Support) -> Convex {
+pub(super) fn convex_box(support: &Support) -> Convex {
     let size = support.size.to_array().map(|s| s as f32);
-    Convex::Box { to_local: rows(&support.to_local), size }
+    Convex::Box {
+        to_local: rows(&support.to_local),
+        size,
+    }
 }
 
 /// Recognises the twelve triangles of a parallelepiped with its normals outwards, and gives the map to the
@@ -72,7 +80,10 @@ fn unit_cube(mesh: &TriangleMesh, origin: DVec3) -> Option<DAffine3> {
         return None;
     }
     let first = points[0];
-    let size = points.iter().map(|p| (*p - first).length()).fold(0.0, f64::max);
+    let size = points
+        .iter()
+        .map(|p| (*p - first).length())
+        .fold(0.0, f64::max);
     // Three edges from the first corner lead to its neighbours; try all triples of corners.
     for i in 1..8 {
         for j in i + 1..8 {
@@ -82,7 +93,11 @@ fn unit_cube(mesh: &TriangleMesh, origin: DVec3) -> Option<DAffine3> {
                 if matrix3.determinant().abs() < 1e-9 * size.powi(3) {
                     continue;
                 }
-                let to_unit = DAffine3 { matrix3, translation: first }.inverse();
+                let to_unit = DAffine3 {
+                    matrix3,
+                    translation: first,
+                }
+                .inverse();
                 if is_cube(&to_unit, &triangles) {
                     return Some(to_unit);
                 }
@@ -100,7 +115,10 @@ fn is_cube(to_unit: &DAffine3, triangles: &[[DVec3; 3]]) -> bool {
     for triangle in triangles {
         let local = triangle.map(|p| to_unit.transform_point3(p));
         let at_corner = |x: f64| x.abs() < NEAR || (x - 1.0).abs() < NEAR;
-        if !local.iter().all(|p| p.to_array().into_iter().all(at_corner)) {
+        if !local
+            .iter()
+            .all(|p| p.to_array().into_iter().all(at_corner))
+        {
             return false;
         }
         let normal = (local[1] - local[0]).cross(local[2] - local[0]);
@@ -120,12 +138,14 @@ fn is_cube(to_unit: &DAffine3, triangles: &[[DVec3; 3]]) -> bool {
         .map(|t| to_unit.transform_point3((t[0] + t[1] + t[2]) / 3.0))
         .collect();
     let halves = centres.iter().all(|a| {
-        centres.iter().filter(|b| {
-            let sum = *a + **b;
-            let face = (0..3).any(|i| (a[i] - b[i]).abs() < NEAR && at_face(a[i]));
-            face && (0..3).all(|i| at_face(a[i]) || (sum[i] - 1.0).abs() < 1e-6)
-        })
-        .count()
+        centres
+            .iter()
+            .filter(|b| {
+                let sum = *a + **b;
+                let face = (0..3).any(|i| (a[i] - b[i]).abs() < NEAR && at_face(a[i]));
+                face && (0..3).all(|i| at_face(a[i]) || (sum[i] - 1.0).abs() < 1e-6)
+            })
+            .count()
             == 1
     });
     faces.as_flattened().iter().all(|&n| n == 2.0) && halves
@@ -146,12 +166,25 @@ mod tests {
             let ([x, y], z) = (square[i % 4], if i < 4 { 0.0 } else { 1.0 });
             DVec3::new(2.0 * x + 0.5 * y, 3.0 * y + 0.25 * z, 4.0 * z)
         };
-        TriangleMesh { positions: (0..8).map(corner).collect(), indices: triangles.to_vec() }
+        TriangleMesh {
+            positions: (0..8).map(corner).collect(),
+            indices: triangles.to_vec(),
+        }
     }
 
     const OUTWARDS: [[u32; 3]; 12] = [
-        [0, 2, 1], [0, 3, 2], [4, 5, 6], [4, 6, 7], [0, 1, 5], [0, 5, 4],
-        [3, 7, 6], [3, 6, 2], [0, 4, 7], [0, 7, 3], [1, 2, 6], [1, 6, 5],
+        [0, 2, 1],
+        [0, 3, 2],
+        [4, 5, 6],
+        [4, 6, 7],
+        [0, 1, 5],
+        [0, 5, 4],
+        [3, 7, 6],
+        [3, 6, 2],
+        [0, 4, 7],
+        [0, 7, 3],
+        [1, 2, 6],
+        [1, 6, 5],
     ];
 
     #[test]
