@@ -1,9 +1,15 @@
 //! The statistical test harness of woodcock: verdicts, fixtures with known answers, reference tables.
 //!
 //! [`stats`] judges, [`refs`] holds tables that no code of this workspace produced, [`fixtures`] turns the densities
-//! among them into functions that a tracker can fly through.
+//! among them into functions that a tracker can fly through, [`grids`] and [`depth`] are the oracle of sampled media,
+//! [`rows`] and [`widths`] let one suite serve every estimator at every width, and [`mutants`] must not survive it.
 #![forbid(unsafe_code)]
 
+pub mod depth;
 pub mod fixtures;
+pub mod grids;
+pub mod mutants;
 pub mod refs;
+pub mod rows;
 pub mod stats;
+pub mod widths;

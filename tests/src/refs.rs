@@ -20,8 +20,7 @@ pub mod slab_matched;
 pub mod slab_radiance;
 pub mod transmittance;
 
-#[cfg(test)]
-pub(crate) mod quadrature;
+pub mod quadrature;
 #[cfg(test)]
 mod walk;
 

@@ -26,7 +26,7 @@ static RULE: LazyLock<[(f64, f64); ORDER]> = LazyLock::new(|| {
 });
 
 /// ∫ f over [a, b], in `panels` equal panels.
-pub(crate) fn integrate(a: f64, b: f64, panels: usize, mut f: impl FnMut(f64) -> f64) -> f64 {
+pub fn integrate(a: f64, b: f64, panels: usize, mut f: impl FnMut(f64) -> f64) -> f64 {
     let half = 0.5 * (b - a) / panels as f64;
     let mut sum = 0.0;
     for panel in 0..panels {
@@ -38,9 +38,12 @@ pub(crate) fn integrate(a: f64, b: f64, panels: usize, mut f: impl FnMut(f64) ->
     sum * half
 }
 
-/// Passes when `got` equals `expected` to `tolerance`, relative where `expected` exceeds 1.
+/// Asserts a tabulated number.
+///
+/// # Panics
+/// Unless `got` equals `expected` to `tolerance`, relative where `expected` exceeds 1.
 #[track_caller]
-pub(crate) fn close(name: &str, got: f64, expected: f64, tolerance: f64) {
+pub fn close(name: &str, got: f64, expected: f64, tolerance: f64) {
     assert!(
         (got - expected).abs() <= tolerance * expected.abs().max(1.0),
         "{name}: {got:.15e} for {expected:.15e}"

@@ -24,8 +24,7 @@
 
 mod chi_square;
 mod image;
-#[cfg(test)]
-pub(crate) mod independent;
+pub mod independent;
 mod judge;
 mod kolmogorov_smirnov;
 mod moments;
