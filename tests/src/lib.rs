@@ -2,7 +2,8 @@
 //!
 //! [`stats`] judges, [`refs`] holds tables that no code of this workspace produced, [`fixtures`] turns the densities
 //! among them into functions that a tracker can fly through, [`grids`] and [`depth`] are the oracle of sampled media,
-//! [`rows`] and [`widths`] let one suite serve every estimator at every width, and [`mutants`] must not survive it.
+//! [`rows`] and [`widths`] let one suite serve every estimator at every width, [`mutants`] must not survive it, and [`scenes`] are what whole paths
+//! are compared on.
 #![forbid(unsafe_code)]
 
 pub mod depth;
@@ -11,5 +12,6 @@ pub mod grids;
 pub mod mutants;
 pub mod refs;
 pub mod rows;
+pub mod scenes;
 pub mod stats;
 pub mod widths;

@@ -34,7 +34,7 @@ pub const FLIGHTS: [(&str, FlightMutant); 5] = [
     ("one uniform for distance and acceptance", one_uniform),
     ("at most four null collisions", four_nulls),
     ("extinction of the step's start", stale_lookup),
-    ("exponential from the top 10 bits", coarse_exponential),
+    ("exponential from six bits", coarse_exponential),
 ];
 
 /// The mistakes in transmittance, by name.
@@ -112,7 +112,7 @@ fn stale_lookup(p: &Profile<'_>, rng: &mut SplitMix) -> f64 {
 
 fn coarse_exponential(p: &Profile<'_>, rng: &mut SplitMix) -> f64 {
     let coarse = |rng: &mut SplitMix| {
-        let u = (rng.uniform() * 1024.0).floor() / 1024.0;
+        let u = (rng.uniform() * 64.0).floor() / 64.0;
         (-(-u).ln_1p(), rng.uniform())
     };
     delta(p, p.majorant, u32::MAX - 1, rng, coarse, |_, next| next)

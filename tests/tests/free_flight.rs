@@ -4,11 +4,11 @@
 //! needs no statistics; at all widths. The checks must reject every planted mistake.
 
 use woodcock_core::for_each_free_flight;
-use woodcock_core::free_flight::Flight;
+use woodcock_core::free_flight::{self, Flight};
 use woodcock_core::medium::{Affine, Homogeneous, IDENTITY, Procedural};
 use woodcock_core::ray::Ray;
 use woodcock_core::real::{Mask, Real};
-use woodcock_core::stream::KeyedStream;
+use woodcock_core::stream::{KeyedStream, PathStream};
 use woodcock_tests::depth::Depth;
 use woodcock_tests::each_width;
 use woodcock_tests::fixtures;
@@ -129,11 +129,10 @@ fn fields<T: Sampler>() {
             verdicts(name, through::<T, R, S>(&fixture, pixel, 1.0));
         });
         // A looser bound costs null collisions and changes nothing.
-        let name = format!("{} under a loose bound", fixture.name);
-        verdicts(
-            name,
-            through::<T, f32, woodcock_core::stream::PathStream>(&fixture, pixel, 4.0),
-        );
+        if pixel % 4 == 0 {
+            let name = format!("{} under a loose bound", fixture.name);
+            verdicts(name, through::<T, f32, PathStream>(&fixture, pixel, 4.0));
+        }
     }
 }
 
@@ -250,16 +249,19 @@ fn placed<T: Sampler>() {
 fn mutants_die() {
     let names = FLIGHTS.map(|(name, _)| name);
     let mut suite = Mutants::new("free flight", &names);
-    // A ramp of optical depth one, and one under a loose bound, where null collisions abound.
-    for (pixel, majorant) in [(0, 2.0), (1, 12.0)] {
-        let sigma_t = |t: f64| 2.0 * t;
-        let cdf = |t: f64| -(-t * t).exp_m1();
-        let medium = Procedural::new(per_lane::<f32>(|x, _, _| 2.0 * x), majorant as f32);
+    // A ramp of optical depth one, the same under a loose bound, where null collisions abound, and fog at its bound.
+    let ramp = |t: f64| 2.0 * t;
+    let fog = |_: f64| 2.0;
+    let profiles: [(&dyn Fn(f64) -> f64, f64, f64); 3] =
+        [(&ramp, 2.0, 2.0), (&ramp, 12.0, 2.0), (&fog, 2.0, 1.0)];
+    for (pixel, (sigma_t, majorant, power)) in (0..).zip(profiles) {
+        let cdf = |t: f64| -(-2.0 * t.powf(power) / power).exp_m1();
+        let medium = Procedural::new(per_lane::<f32>(|x, _, _| sigma_t(x)), majorant as f32);
         let along = ray([0.0; 3], [1.0, 0.0, 0.0]);
         let n = samples(1 << 20);
-        let real = collect::<f32, woodcock_core::stream::PathStream>(seed(15), pixel, n, |rng| {
+        let real = collect::<f32, PathStream>(seed(15), pixel, n, |rng| {
             distance(
-                woodcock_core::free_flight::delta::sample(&medium, &along, 1.0, rng, true),
+                free_flight::delta::sample(&medium, &along, 1.0, rng, true),
                 1.0,
             )
         });
@@ -267,7 +269,7 @@ fn mutants_die() {
         suite.check("law of the distance", law);
         suite.check("share that leaves", share);
         let profile = Profile {
-            sigma_t: &sigma_t,
+            sigma_t,
             majorant,
             t_max: 1.0,
         };

@@ -1,0 +1,288 @@
+//! Small scenes in code: every kind of medium, geometry and light that a path can meet, none of it from a file.
+//!
+//! They exist to be traced twice, by scalar code and by packets, and compared bit by bit; so they are chosen to reach
+//! every branch of the state machine, not to look good.
+
+use crate::grids::TestGrid;
+use woodcock_core::camera::{Camera, Projection};
+use woodcock_core::light::{Distant, Lights};
+use woodcock_core::medium::Affine;
+use woodcock_core::path::{
+    Atlas, Convex, Geometry, MediumRecord, OneGrid, OneHomogeneous, PathMedium, RecordKind, Scene,
+    Settings, ShadowEstimator, Stretch,
+};
+use woodcock_core::ray::{Interval, Ray};
+use woodcock_core::real::{Mask, Real, Word};
+use woodcock_packet::lanes::Lanes;
+
+/// Pixels along each side of a film.
+pub const SIDE: u32 = 16;
+
+/// What is done with each scene.
+pub trait Visitor {
+    /// * `CHROMATIC`, `ANY_RAYLEIGH`: what the scene needs of the tracer.
+    fn visit<M, G, const CHROMATIC: bool, const ANY_RAYLEIGH: bool>(
+        &mut self,
+        name: &str,
+        scene: &Scene<'_, M, G>,
+    ) where
+        M: PathMedium<f32> + PathMedium<Lanes>,
+        G: Geometry<f32> + Geometry<Lanes>;
+}
+
+/// Shapes that may overlap, each with a medium of its own number.
+#[derive(Clone, Debug)]
+pub struct Several(pub Vec<(Convex, u32)>);
+
+impl<R: Real> Geometry<R> for Several {
+    fn overlaps(&self) -> bool {
+        true
+    }
+
+    fn stretch(&self, ray: &Ray<R>, cursor: R::Word, active: R::Mask) -> Stretch<R> {
+        let mut stretch = Stretch {
+            interval: Interval {
+                t0: R::zero(),
+                t1: R::zero(),
+            },
+            medium: R::Word::splat(0),
+            found: R::Mask::splat(false),
+        };
+        for (number, (shape, medium)) in (0..).zip(&self.0) {
+            let here = cursor.eq(R::Word::splat(number)) & active;
+            let interval = shape.clip(ray);
+            stretch.interval.t0 = R::select(here, interval.t0, stretch.interval.t0);
+            stretch.interval.t1 = R::select(here, interval.t1, stretch.interval.t1);
+            stretch.medium = R::Word::select(here, R::Word::splat(*medium), stretch.medium);
+            stretch.found = stretch.found | here;
+        }
+        stretch
+    }
+}
+
+fn fog(sigma_t: f32, colour: [f32; 3], albedo: [f32; 3], g: f32, rayleigh: bool) -> MediumRecord {
+    MediumRecord {
+        kind: RecordKind::Homogeneous,
+        scale: sigma_t,
+        colour,
+        albedo,
+        g,
+        rayleigh,
+    }
+}
+
+/// Grid space of a grid that fills the box of half edge `half` about `centre`.
+fn fitted(dims: [u32; 3], centre: [f32; 3], half: f32) -> Affine {
+    let mut map = [[0.0; 4]; 3];
+    for axis in 0..3 {
+        let scale = (dims[axis] - 1) as f32 / (2.0 * half);
+        map[axis][axis] = scale;
+        map[axis][3] = (half - centre[axis]) * scale;
+    }
+    map
+}
+
+fn on_grid(
+    dims: [u32; 3],
+    world_to_grid: Affine,
+    tables: [u32; 2],
+    medium: MediumRecord,
+) -> MediumRecord {
+    let [samples, majorants] = tables;
+    let kind = RecordKind::Grid {
+        world_to_grid,
+        dims,
+        samples,
+        majorants,
+    };
+    MediumRecord { kind, ..medium }
+}
+
+fn boxed(dims: [u32; 3], to_local: Affine) -> Convex {
+    Convex::Box {
+        to_local,
+        size: dims.map(|n| (n - 1) as f32),
+    }
+}
+
+fn ball(centre: [f32; 3], radius: f32) -> Convex {
+    let mut to_local = [[0.0; 4]; 3];
+    for axis in 0..3 {
+        to_local[axis][axis] = 1.0 / radius;
+        to_local[axis][3] = -centre[axis] / radius;
+    }
+    Convex::Sphere { to_local }
+}
+
+fn camera(projection: Projection, lens_radius: f32) -> Camera {
+    let step = 2.4 / SIDE as f32;
+    Camera {
+        projection,
+        screen: [[-1.2, step], [1.2, -step]],
+        camera_to_world: [
+            [1.0, 0.0, 0.0, 0.1],
+            [0.0, 1.0, 0.0, -0.05],
+            [0.0, 0.0, 1.0, -2.5],
+        ],
+        lens_radius,
+        focal_distance: 2.5,
+    }
+}
+
+/// Grey, and colours that differ.
+const GREY: [f32; 3] = [1.0; 3];
+const REDDISH: [f32; 3] = [1.0, 0.55, 0.2];
+const WHITE: [f32; 3] = [1.0; 3];
+const SILVER: [f32; 3] = [0.95, 0.9, 0.8];
+
+/// Visits every scene.
+///
+/// # Panics
+/// Where core refuses what the scenes are made of.
+pub fn each(visitor: &mut impl Visitor) {
+    let sun = Distant::new([0.3, 0.8, -0.5], [3.0, 2.5, 2.0]).expect("a valid light");
+    let moon = Distant::new([-1.0, 0.1, 0.2], [0.1, 0.2, 0.4]).expect("a valid light");
+    let sky = Lights {
+        distant: &[],
+        environment: [0.5, 0.7, 1.0],
+        sample_environment: false,
+    };
+    let both = [sun, moon];
+    let day = Lights {
+        distant: &both,
+        sample_environment: true,
+        ..sky
+    };
+    let noon = Lights {
+        distant: &both[..1],
+        environment: [0.0; 3],
+        ..sky
+    };
+    let pinhole = camera(Projection::Perspective, 0.0);
+    let lens = camera(Projection::Perspective, 0.2);
+    let parallel = camera(Projection::Orthographic, 0.0);
+    let settings = Settings::default();
+    let by_delta = Settings {
+        shadow: ShadowEstimator::Delta,
+        ..settings
+    };
+    let short = Settings {
+        max_depth: 3,
+        ..settings
+    };
+
+    let medium = OneHomogeneous::new(&fog(4.0, GREY, WHITE, 0.6, false));
+    let geometry = ball([0.0; 3], 1.0);
+    let scene = Scene {
+        medium: &medium,
+        geometry: &geometry,
+        lights: sky,
+        camera: &pinhole,
+        settings,
+    };
+    visitor.visit::<_, _, false, false>("white furnace ball", &scene);
+    let scene = Scene {
+        lights: day,
+        camera: &lens,
+        ..scene
+    };
+    visitor.visit::<_, _, false, false>("ball by day, through a lens", &scene);
+
+    let medium = OneHomogeneous::new(&fog(3.0, REDDISH, SILVER, 0.0, true));
+    let geometry = boxed([3, 3, 3], fitted([3; 3], [0.1, 0.0, 0.2], 0.8));
+    let scene = Scene {
+        medium: &medium,
+        geometry: &geometry,
+        lights: day,
+        camera: &parallel,
+        settings,
+    };
+    visitor.visit::<_, _, true, true>("coloured Rayleigh box", &scene);
+
+    let medium = OneHomogeneous::new(&fog(0.4, GREY, SILVER, -0.3, false));
+    let scene = Scene {
+        medium: &medium,
+        geometry: &Convex::Everywhere,
+        lights: sky,
+        camera: &pinhole,
+        settings: short,
+    };
+    visitor.visit::<_, _, false, false>("fog without an end", &scene);
+
+    let cloud = TestGrid::cloud([33, 26, 25], 95);
+    let to_grid = fitted(cloud.dims, [0.0; 3], 1.0);
+    let grey = on_grid(
+        cloud.dims,
+        to_grid,
+        [0, 0],
+        fog(40.0, GREY, SILVER, 0.85, false),
+    );
+    let medium = OneGrid::new(&grey, &cloud.samples, &cloud.majorants);
+    let geometry = boxed(cloud.dims, to_grid);
+    let scene = Scene {
+        medium: &medium,
+        geometry: &geometry,
+        lights: noon,
+        camera: &pinhole,
+        settings,
+    };
+    visitor.visit::<_, _, false, false>("cloud at noon", &scene);
+    let scene = Scene {
+        lights: day,
+        settings: by_delta,
+        ..scene
+    };
+    visitor.visit::<_, _, false, false>("cloud by day, shadows by delta tracking", &scene);
+    let coloured = MediumRecord {
+        colour: REDDISH,
+        ..grey
+    };
+    let medium = OneGrid::new(&coloured, &cloud.samples, &cloud.majorants);
+    let scene = Scene {
+        medium: &medium,
+        geometry: &geometry,
+        lights: day,
+        camera: &lens,
+        settings,
+    };
+    visitor.visit::<_, _, true, false>("coloured cloud", &scene);
+
+    // Two grids in common tables, and two fogs; shapes that overlap in pairs and all together.
+    let rough = TestGrid::random([9, 10, 17], 96, 0.5);
+    let to_rough = fitted(rough.dims, [0.3, -0.2, 0.1], 0.6);
+    let samples = [&cloud.samples[..], &rough.samples].concat();
+    let majorants = [&cloud.majorants[..], &rough.majorants].concat();
+    let tables = [cloud.samples.len() as u32, cloud.majorants.len() as u32];
+    let records = [
+        fog(1.5, GREY, WHITE, 0.2, false),
+        coloured,
+        on_grid(
+            rough.dims,
+            to_rough,
+            tables,
+            fog(3.0, GREY, SILVER, -0.5, false),
+        ),
+        fog(0.8, [0.1, 0.4, 1.0], WHITE, 0.0, true),
+    ];
+    let words: Vec<u32> = records.iter().flat_map(MediumRecord::to_words).collect();
+    let atlas = Atlas {
+        records: &words,
+        samples: &samples,
+        majorants: &majorants,
+    };
+    let geometry = Several(vec![
+        (boxed(cloud.dims, to_grid), 1),
+        (ball([0.5, 0.4, 0.0], 0.5), 0),
+        (boxed(rough.dims, to_rough), 2),
+        (ball([-0.4, 0.0, -0.2], 0.9), 3),
+        (ball([9.0, 0.0, 0.0], 0.1), 0),
+    ]);
+    let scene = Scene {
+        medium: &atlas,
+        geometry: &geometry,
+        lights: day,
+        camera: &pinhole,
+        settings,
+    };
+    visitor.visit::<_, _, true, true>("four media that overlap", &scene);
+}

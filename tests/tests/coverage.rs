@@ -1,0 +1,65 @@
+//! No file without a row: what is in a folder of core is in its registry, and so under test.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+
+/// The files of a folder of core that hold one thing each, without their ending.
+fn files(folder: &str, not_things: &[&str]) -> BTreeSet<String> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../core/src")
+        .join(folder);
+    let entries = std::fs::read_dir(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+    let names = entries.map(|entry| {
+        let name = entry.expect("a readable folder").file_name();
+        let name = name.to_str().expect("a name in UTF-8");
+        name.strip_suffix(".rs").unwrap_or(name).to_owned()
+    });
+    names
+        .filter(|name| name != "mod" && !not_things.contains(&name.as_str()))
+        .collect()
+}
+
+/// Names in a registry.
+macro_rules! rows {
+    ($registry:ident) => {{
+        let mut names = BTreeSet::new();
+        macro_rules! row {
+            ($name:ident) => {
+                assert!(
+                    names.insert(stringify!($name).to_owned()),
+                    "two rows of one name"
+                );
+            };
+        }
+        woodcock_core::$registry!(row);
+        names
+    }};
+}
+
+#[test]
+fn every_file_has_a_row() {
+    // What a folder holds besides one thing a file, with the reason. Empty so far.
+    let not_things: [&str; 0] = [];
+    for (folder, rows) in [
+        ("free_flight", rows!(for_each_free_flight)),
+        ("transmittance", rows!(for_each_transmittance)),
+        ("phase", rows!(for_each_phase)),
+        ("medium", rows!(for_each_medium)),
+    ] {
+        assert_eq!(
+            files(folder, &not_things),
+            rows,
+            "core/src/{folder} and its registry differ"
+        );
+        assert!(rows.len() >= 2, "{folder}: an empty registry tests nothing");
+    }
+}
+
+/// A file that is no row is noticed: the check can fail.
+#[test]
+fn a_file_without_a_row_is_missed() {
+    let rows = rows!(for_each_phase);
+    assert_ne!(files("transmittance", &[]), rows);
+    let fewer: BTreeSet<String> = rows.iter().skip(1).cloned().collect();
+    assert_ne!(files("phase", &[]), fewer);
+}

@@ -1,0 +1,206 @@
+//! Lanes against scalars, bit by bit: operations, bundles of rays, whole paths.
+//!
+//! The strongest and steadiest test of all: no tolerance, no statistics. `#[path]` modules hold the operations and the
+//! bundles.
+
+use woodcock_core::path::{Counts, Geometry, PathMedium, PathSample, Scene};
+use woodcock_core::stream::Key;
+use woodcock_packet::lanes::Lanes;
+use woodcock_packet::trace::{PathRequest, trace, trace_scalar};
+use woodcock_tests::scenes::{self, SIDE, Visitor};
+
+#[path = "lanes/bundles.rs"]
+mod bundles;
+#[path = "lanes/operations.rs"]
+mod operations;
+
+/// Some paths of each pixel.
+fn requests(samples: u32) -> Vec<PathRequest> {
+    let pixels = (0..SIDE).flat_map(|y| (0..SIDE).map(move |x| (x, y)));
+    pixels
+        .flat_map(|(x, y)| {
+            (0..samples).map(move |sample| PathRequest {
+                x,
+                y,
+                key: Key {
+                    seed: 5,
+                    pixel: y * SIDE + x,
+                    sample,
+                },
+            })
+        })
+        .collect()
+}
+
+/// Counts that do not depend on how lanes were filled.
+fn events(counts: &Counts) -> [u64; 7] {
+    [
+        counts.paths,
+        counts.tentative_collisions,
+        counts.real_collisions,
+        counts.null_collisions,
+        counts.lookups,
+        counts.majorant_cells,
+        counts.majorant_violations,
+    ]
+}
+
+fn bits(sample: &PathSample) -> [u32; 4] {
+    let [r, g, b] = sample.radiance;
+    [r, g, b, sample.alpha].map(f32::to_bits)
+}
+
+#[derive(Default)]
+struct Equality {
+    scenes: u32,
+}
+
+impl Visitor for Equality {
+    fn visit<M, G, const CHROMATIC: bool, const ANY_RAYLEIGH: bool>(
+        &mut self,
+        name: &str,
+        scene: &Scene<'_, M, G>,
+    ) where
+        M: PathMedium<f32> + PathMedium<Lanes>,
+        G: Geometry<f32> + Geometry<Lanes>,
+    {
+        self.scenes += 1;
+        let requests = requests(8);
+        let mut scalar_counts = Counts::default();
+        let scalar: Vec<PathSample> = requests
+            .iter()
+            .map(|&r| trace_scalar::<M, G, CHROMATIC, ANY_RAYLEIGH>(scene, r, &mut scalar_counts))
+            .collect();
+        let packet = |requests: &[PathRequest]| {
+            let mut landed = vec![None; requests.len()];
+            let counts = trace::<M, G, CHROMATIC, ANY_RAYLEIGH>(
+                scene,
+                requests.iter().copied(),
+                |i, sample| {
+                    assert!(
+                        landed[i].replace(sample).is_none(),
+                        "{name}: {i} lands twice"
+                    )
+                },
+            );
+            let landed: Vec<PathSample> = landed
+                .into_iter()
+                .map(|s| s.expect("every path lands"))
+                .collect();
+            (landed, counts)
+        };
+        let (wide, wide_counts) = packet(&requests);
+        for (i, (one, other)) in scalar.iter().zip(&wide).enumerate() {
+            assert_eq!(
+                bits(one),
+                bits(other),
+                "{name}, path {i}: {one:?} and {other:?}"
+            );
+        }
+        assert_eq!(events(&scalar_counts), events(&wide_counts), "{name}");
+        assert_eq!(scalar_counts.majorant_violations, 0, "{name}");
+        // Whatever else is requested: few paths, in another order, give the same.
+        for count in [0, 1, 7, 8, 9, 100] {
+            let picked: Vec<usize> = (0..count)
+                .map(|i| (i * 733 + 91) % requests.len())
+                .collect();
+            let few: Vec<PathRequest> = picked.iter().map(|&i| requests[i]).collect();
+            for (sample, &i) in packet(&few).0.iter().zip(&picked) {
+                assert_eq!(
+                    bits(sample),
+                    bits(&scalar[i]),
+                    "{name}, path {i} among {count}"
+                );
+            }
+        }
+        // Something happened: paths that met the medium, finite light, differing values.
+        let touched = scalar.iter().filter(|s| s.alpha == 1.0).count();
+        assert!(
+            touched > scalar.len() / 10,
+            "{name}: {touched} paths met anything"
+        );
+        let finite = scalar
+            .iter()
+            .flat_map(|s| s.radiance)
+            .all(|r| r.is_finite() && r >= 0.0);
+        assert!(finite, "{name}: radiance that is none");
+        let lit = scalar.iter().filter(|s| s.radiance[1] > 0.0).count();
+        assert!(lit > scalar.len() / 20, "{name}: {lit} paths brought light");
+    }
+}
+
+#[test]
+fn whole_paths_have_the_bits_of_scalar_ones() {
+    let mut equality = Equality::default();
+    scenes::each(&mut equality);
+    assert_eq!(equality.scenes, 8);
+}
+
+/// The comparison can fail: another key is another path.
+#[test]
+fn other_keys_are_other_paths() {
+    struct Different;
+    impl Visitor for Different {
+        fn visit<M, G, const CHROMATIC: bool, const ANY_RAYLEIGH: bool>(
+            &mut self,
+            name: &str,
+            scene: &Scene<'_, M, G>,
+        ) where
+            M: PathMedium<f32> + PathMedium<Lanes>,
+            G: Geometry<f32> + Geometry<Lanes>,
+        {
+            let mut counts = Counts::default();
+            let mut different = 0;
+            for request in requests(1) {
+                let moved = PathRequest {
+                    key: Key {
+                        seed: 6,
+                        ..request.key
+                    },
+                    ..request
+                };
+                let mut run = |r| {
+                    bits(&trace_scalar::<M, G, CHROMATIC, ANY_RAYLEIGH>(
+                        scene,
+                        r,
+                        &mut counts,
+                    ))
+                };
+                different += u32::from(run(request) != run(moved));
+            }
+            let furnace = name == "white furnace ball";
+            assert!(
+                different > 25 || furnace,
+                "{name}: {different} paths differ"
+            );
+        }
+    }
+    scenes::each(&mut Different);
+}
+
+/// In the white furnace every path brings exactly the sky: albedo one, analog flights, no roulette.
+#[test]
+fn every_path_of_the_furnace_is_white() {
+    struct Furnace(u32);
+    impl Visitor for Furnace {
+        fn visit<M, G, const CHROMATIC: bool, const ANY_RAYLEIGH: bool>(
+            &mut self,
+            name: &str,
+            scene: &Scene<'_, M, G>,
+        ) where
+            M: PathMedium<f32> + PathMedium<Lanes>,
+            G: Geometry<f32> + Geometry<Lanes>,
+        {
+            if name != "white furnace ball" {
+                return;
+            }
+            trace::<M, G, CHROMATIC, ANY_RAYLEIGH>(scene, requests(16), |_, sample| {
+                assert_eq!(sample.radiance, scene.lights.environment);
+                self.0 += 1;
+            });
+        }
+    }
+    let mut furnace = Furnace(0);
+    scenes::each(&mut furnace);
+    assert_eq!(furnace.0, SIDE * SIDE * 16);
+}

@@ -1,0 +1,193 @@
+//! Bundles of rays: every schedule and every length gives each ray what scalar code gives it.
+
+use woodcock_core::free_flight::{Flight, analytic, delta};
+use woodcock_core::medium::{Homogeneous, IDENTITY, Medium, Procedural};
+use woodcock_core::ray::Ray;
+use woodcock_core::stream::{Key, PathStream};
+use woodcock_core::transmittance;
+use woodcock_core::transmittance::delta::Delta;
+use woodcock_core::transmittance::ratio::Ratio;
+use woodcock_core::vec3::Vec3;
+use woodcock_packet::bundle::{
+    Bundle, BundleRay, Schedule, analytic_flights, free_flights, transmittances,
+};
+use woodcock_packet::lanes::Lanes;
+use woodcock_tests::grids::{TestGrid, unit};
+use woodcock_tests::stats::independent::SplitMix;
+use woodcock_tests::widths::per_lane;
+
+/// Bundles around multiples of the number of lanes, and none at all.
+const LENGTHS: [usize; 8] = [0, 1, 7, 8, 9, 255, 256, 1000];
+
+/// Rays within the box [0, size]: long and short ones, and some of no length.
+fn rays(count: usize, size: [f64; 3]) -> Vec<BundleRay> {
+    let mut rng = SplitMix::new(91);
+    (0..count)
+        .map(|i| {
+            let origin: [f64; 3] = size.map(|s| s * rng.uniform());
+            let direction = unit([rng.normal(), rng.normal(), rng.normal()]);
+            let exit = (0..3)
+                .map(|a| {
+                    (if direction[a] > 0.0 {
+                        size[a] - origin[a]
+                    } else {
+                        -origin[a]
+                    }) / direction[a]
+                })
+                .fold(f64::INFINITY, f64::min);
+            let share = [1.0, 0.3, 0.0, 1.0, 1.0][i % 5];
+            BundleRay {
+                origin: origin.map(|v| v as f32),
+                direction: direction.map(|v| v as f32),
+                t_max: (exit * share) as f32,
+                key: Key {
+                    seed: 92,
+                    pixel: i as u32,
+                    sample: 3,
+                },
+            }
+        })
+        .collect()
+}
+
+fn scalar(ray: &BundleRay) -> (Ray<f32>, PathStream) {
+    let [[ox, oy, oz], [dx, dy, dz]] = [ray.origin, ray.direction];
+    let along = Ray {
+        origin: Vec3::new(ox, oy, oz),
+        direction: Vec3::new(dx, dy, dz),
+    };
+    (along, PathStream::new(ray.key))
+}
+
+fn distance(flight: Flight<f32>) -> f32 {
+    if flight.collided {
+        flight.t
+    } else {
+        f32::INFINITY
+    }
+}
+
+#[track_caller]
+fn same(name: &str, wide: &[f32], one: impl Fn(usize) -> f32) {
+    for (i, w) in wide.iter().enumerate() {
+        let o = one(i);
+        assert_eq!(
+            w.to_bits(),
+            o.to_bits(),
+            "{name}, ray {i} of {}: {w:e} and {o:e}",
+            wide.len()
+        );
+    }
+}
+
+/// Every length and both schedules; `one` and `eight` are the same medium for each width.
+fn medium<A: Medium<f32>, B: Medium<Lanes>>(name: &str, one: &A, eight: &B, size: [f64; 3]) {
+    for count in LENGTHS {
+        let rays = rays(count, size);
+        let bundle: Bundle = rays.iter().collect();
+        assert_eq!((bundle.len(), bundle.is_empty()), (count, count == 0));
+        let mut tentative = Vec::new();
+        for schedule in [Schedule::Refill, Schedule::LockStep] {
+            let name = format!("{name}, {schedule:?}");
+            // Places that nothing lands in stay as they were.
+            let mut out = vec![f32::NAN; count + 3];
+            let usage = free_flights(eight, &bundle, schedule, &mut out);
+            tentative.push(usage.tentative_collisions);
+            assert!((0.0..=1.0).contains(&usage.lane_utilisation()), "{usage:?}");
+            assert!(out[count..].iter().all(|x| x.is_nan()));
+            same(&name, &out[..count], |i| {
+                let (along, mut rng) = scalar(&rays[i]);
+                distance(delta::sample(one, &along, rays[i].t_max, &mut rng, true))
+            });
+            let mut first = vec![f32::NAN; count / 2];
+            free_flights(eight, &bundle, schedule, &mut first);
+            same(&name, &first, |i| out[i]);
+
+            transmittances::<Delta, _>(eight, &bundle, schedule, &mut out);
+            same(&name, &out[..count], |i| {
+                let (along, mut rng) = scalar(&rays[i]);
+                transmittance::delta::estimate(one, &along, rays[i].t_max, &mut rng, true)
+            });
+            transmittances::<Ratio, _>(eight, &bundle, schedule, &mut out);
+            same(&name, &out[..count], |i| {
+                let (along, mut rng) = scalar(&rays[i]);
+                transmittance::ratio::estimate(one, &along, rays[i].t_max, &mut rng, true)
+            });
+        }
+        assert_eq!(
+            tentative[0], tentative[1],
+            "{name}: the same events under either schedule"
+        );
+    }
+}
+
+#[test]
+fn homogeneous_bundles() {
+    for sigma_t in [0.0, 0.3, 25.0] {
+        let fog = Homogeneous::new(sigma_t).expect("a valid extinction");
+        medium("fog", &fog, &fog, [2.0, 3.0, 4.0]);
+    }
+}
+
+#[test]
+fn procedural_bundles() {
+    let field = |x: f64, y: f64, z: f64| 2.0 + (3.0 * x).sin() + (2.0 * y * z).cos();
+    let one = Procedural::new(per_lane::<f32>(field), 4.1);
+    let eight = Procedural::new(per_lane::<Lanes>(field), 4.1);
+    medium("formula", &one, &eight, [2.0, 1.5, 3.0]);
+}
+
+#[test]
+fn grid_bundles() {
+    let grids = [
+        ("cloud", TestGrid::cloud([33, 26, 25], 93)),
+        ("small", TestGrid::random([2, 3, 9], 94, 0.0)),
+        ("empty", TestGrid::random([17, 17, 17], 95, 1.0)),
+        ("holes", TestGrid::random([40, 24, 17], 96, 0.6)),
+    ];
+    for (name, grid) in &grids {
+        let size = grid.dims.map(|n| f64::from(n - 1));
+        for scale in [0.05, 2.0] {
+            let on_grid = grid.medium(IDENTITY, scale);
+            medium(name, &on_grid, &on_grid, size);
+        }
+    }
+}
+
+#[test]
+fn closed_form_bundles() {
+    for sigma_t in [0.0, 0.7, 100.0] {
+        let fog = Homogeneous::new(sigma_t).expect("a valid extinction");
+        for count in LENGTHS {
+            let rays = rays(count, [2.0; 3]);
+            let bundle: Bundle = rays.iter().collect();
+            for places in [count, count / 2, count + 5] {
+                let mut out = vec![f32::NAN; places];
+                let usage = analytic_flights(&fog, &bundle, &mut out);
+                let landed = count.min(places);
+                assert_eq!(usage.tentative_collisions, landed as u64);
+                assert!(out[landed..].iter().all(|x| x.is_nan()));
+                same("closed form", &out[..landed], |i| {
+                    let (_, mut rng) = scalar(&rays[i]);
+                    distance(analytic::sample(&fog, rays[i].t_max, &mut rng, true))
+                });
+            }
+        }
+    }
+}
+
+/// Refilling keeps lanes busy where waiting for the slowest does not.
+#[test]
+fn refilled_lanes_are_busier() {
+    let grid = TestGrid::cloud([33, 26, 25], 93);
+    let medium = grid.medium(IDENTITY, 2.0);
+    let rays = rays(4096, [32.0, 25.0, 24.0]);
+    let bundle: Bundle = rays.iter().collect();
+    let mut out = vec![0.0; rays.len()];
+    let mut busy = |schedule| free_flights(&medium, &bundle, schedule, &mut out).lane_utilisation();
+    let (refill, lock_step) = (busy(Schedule::Refill), busy(Schedule::LockStep));
+    assert!(
+        refill > 0.9 && refill > lock_step + 0.1,
+        "{refill} and {lock_step}"
+    );
+}
