@@ -424,28 +424,24 @@ where
         use crate::transmittance::{delta::Delta, ratio::Ratio};
         let rng = &mut self.stream;
         let old = self.weight;
-        let new = match scene.settings.shadow {
-            ShadowEstimator::Ratio if CHROMATIC => {
-                let colour = scene.medium.optics(&self.tracker.walk).colour;
-                let mut lower =
-                    |c: R, w: R| Ratio::collide::<R, M>(w, sigma_t * c, majorant, rng, shadow);
-                Vec3::new(
-                    lower(colour.x, old.x),
-                    lower(colour.y, old.y),
-                    lower(colour.z, old.z),
-                )
+        let mut lower = |sigma_t: R, weight: R| match scene.settings.shadow {
+            ShadowEstimator::Ratio => {
+                Ratio::collide::<R, M>(weight, sigma_t, majorant, rng, shadow)
             }
-            estimator => {
-                let grey = match estimator {
-                    ShadowEstimator::Ratio => {
-                        Ratio::collide::<R, M>(old.x, sigma_t, majorant, rng, shadow)
-                    }
-                    ShadowEstimator::Delta => {
-                        Delta::collide::<R, M>(old.x, sigma_t, majorant, rng, shadow)
-                    }
-                };
-                Vec3::new(grey, grey, grey)
+            ShadowEstimator::Delta => {
+                Delta::collide::<R, M>(weight, sigma_t, majorant, rng, shadow)
             }
+        };
+        let new = if CHROMATIC {
+            let colour = scene.medium.optics(&self.tracker.walk).colour;
+            Vec3::new(
+                lower(sigma_t * colour.x, old.x),
+                lower(sigma_t * colour.y, old.y),
+                lower(sigma_t * colour.z, old.z),
+            )
+        } else {
+            let grey = lower(sigma_t, old.x);
+            Vec3::new(grey, grey, grey)
         };
         let largest = if CHROMATIC {
             new.max_component()
