@@ -115,10 +115,14 @@ fn ball(centre: [f32; 3], radius: f32) -> Convex {
 }
 
 fn camera(projection: Projection, lens_radius: f32) -> Camera {
-    let step = 2.4 / SIDE as f32;
+    let half = match projection {
+        Projection::Perspective => 0.55,
+        Projection::Orthographic => 1.1,
+    };
+    let step = 2.0 * half / SIDE as f32;
     Camera {
         projection,
-        screen: [[-1.2, step], [1.2, -step]],
+        screen: [[-half, step], [half, -step]],
         camera_to_world: [
             [1.0, 0.0, 0.0, 0.1],
             [0.0, 1.0, 0.0, -0.05],
@@ -199,6 +203,7 @@ pub fn each(visitor: &mut impl Visitor) {
     };
     visitor.visit::<_, _, true, true>("coloured Rayleigh box", &scene);
 
+    // Light has infinitely far to come: black, and finite all the same.
     let medium = OneHomogeneous::new(&fog(0.4, GREY, SILVER, -0.3, false));
     let scene = Scene {
         medium: &medium,
@@ -246,6 +251,11 @@ pub fn each(visitor: &mut impl Visitor) {
         settings,
     };
     visitor.visit::<_, _, true, false>("coloured cloud", &scene);
+    let scene = Scene {
+        settings: by_delta,
+        ..scene
+    };
+    visitor.visit::<_, _, true, false>("coloured cloud, shadows by delta tracking", &scene);
 
     // Two grids in common tables, and two fogs; shapes that overlap in pairs and all together.
     let rough = TestGrid::random([9, 10, 17], 96, 0.5);

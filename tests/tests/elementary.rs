@@ -147,7 +147,7 @@ fn ln_keeps_its_bound() {
         Real::ln,
         relative(f64::ln),
     );
-    bounded("ln", worst, 0.9, 8_000_000);
+    bounded("ln", worst, 1.0, 8_000_000);
 }
 
 #[test]
@@ -269,21 +269,15 @@ fn exact_points_are_exact() {
     }
 }
 
-/// A larger uniform number may not mean a shorter flight by more than the last digit, and never one ulp twice.
+/// A larger uniform number never means a shorter flight, over all that `uniform` can draw.
 #[test]
 fn flights_grow_with_their_uniform_number() {
-    let mut backwards = 0_u32;
     let mut before = 0.0_f32;
     for k in 0..1_u32 << 24 {
         let flight = Real::neg_ln_1m(k as f32 / 16_777_216.0);
-        if flight < before {
-            backwards += 1;
-            assert_eq!(flight, before.next_down(), "at {k}");
-        }
-        before = before.max(flight);
+        assert!(flight >= before, "at {k}: {flight:e} after {before:e}");
+        before = flight;
     }
-    println!("{backwards} of 2^24 uniform numbers fall back by one ulp");
-    assert!(backwards < 1 << 14, "{backwards} fall back by one ulp");
 }
 
 /// Between the bounds of the domain and the infinities, values stay ordered and finite numbers appear.

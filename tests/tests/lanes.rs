@@ -125,7 +125,15 @@ impl Visitor for Equality {
             .all(|r| r.is_finite() && r >= 0.0);
         assert!(finite, "{name}: radiance that is none");
         let lit = scalar.iter().filter(|s| s.radiance[1] > 0.0).count();
-        assert!(lit > scalar.len() / 20, "{name}: {lit} paths brought light");
+        let endless = name == "fog without an end";
+        assert!(
+            if endless {
+                lit == 0
+            } else {
+                lit > scalar.len() / 20
+            },
+            "{name}: {lit} paths brought light"
+        );
     }
 }
 
@@ -133,7 +141,7 @@ impl Visitor for Equality {
 fn whole_paths_have_the_bits_of_scalar_ones() {
     let mut equality = Equality::default();
     scenes::each(&mut equality);
-    assert_eq!(equality.scenes, 8);
+    assert_eq!(equality.scenes, 9);
 }
 
 /// The comparison can fail: another key is another path.
@@ -168,9 +176,10 @@ fn other_keys_are_other_paths() {
                 };
                 different += u32::from(run(request) != run(moved));
             }
-            let furnace = name == "white furnace ball";
+            // Where every path brings the same, keys cannot tell.
+            let constant = ["white furnace ball", "fog without an end"].contains(&name);
             assert!(
-                different > 25 || furnace,
+                different > 25 || constant,
                 "{name}: {different} paths differ"
             );
         }

@@ -1,11 +1,13 @@
 //! Majorants: bounds that cover what lies below them, segments that tile the ray, and errors that say what is wrong.
 
+use woodcock_core::free_flight;
 use woodcock_core::majorant::{
     BLOCK, GridLayout, GridWalk, MajorantError, MajorantGrid, fill_majorants, majorant_count,
 };
+use woodcock_core::medium::IDENTITY;
 use woodcock_core::ray::Ray;
 use woodcock_core::real::{Mask, Real};
-use woodcock_core::stream::KeyedStream;
+use woodcock_core::stream::{Key, KeyedStream, PathStream};
 use woodcock_tests::each_width;
 use woodcock_tests::grids::TestGrid;
 use woodcock_tests::stats::independent::SplitMix;
@@ -256,7 +258,14 @@ fn segments_tile_the_ray_and_no_look_up_exceeds_its_bound() {
         for kind in 0..12_000 {
             let (name, grid) = &grids[kind % grids.len()];
             let direction = direction(&mut rng, kind).map(|d| f64::from(d as f32));
-            let origin = place(&mut rng, grid.dims, kind).map(|p| f64::from(p as f32));
+            let mut origin = place(&mut rng, grid.dims, kind).map(|p| f64::from(p as f32));
+            for a in 0..3 {
+                // A ray along the far face is outside: domains are half open, as `clip` has them too.
+                let last = f64::from(grid.dims[a] - 1);
+                if direction[a].abs() < 4e-38 && origin[a] == last {
+                    origin[a] = last - 0.5;
+                }
+            }
             let t_max = length(grid.dims, origin, direction);
             let t_max = f64::from(t_max as f32);
             let name = format!("{name}, {} from {origin:?} to {direction:?}", width::<R>());
@@ -266,6 +275,34 @@ fn segments_tile_the_ray_and_no_look_up_exceeds_its_bound() {
         }
     });
     assert!(lookups > 1_000_000, "{lookups} look-ups");
+}
+
+/// A ray along the far face of the domain is outside, for the walk and for `clip` alike: no medium, no violation.
+#[test]
+fn the_far_face_is_outside() {
+    let grid = TestGrid::random([8, 9, 10], 75, 0.0);
+    let medium = grid.medium(IDENTITY, 1.0);
+    for (origin, direction) in [
+        ([2.0, 8.0, 3.0], [1.0, 0.0, 0.0]),
+        ([7.0, 3.0, 1.0], [0.0, 0.0, 1.0]),
+        ([1.0, 1.0, 9.0], [0.6, 0.8, 0.0]),
+    ] {
+        let along: Ray<f32> = ray(origin, direction);
+        let interval = medium.clip(&along);
+        assert!(interval.t1 <= interval.t0, "{interval:?}");
+        for sample in 0..100 {
+            let mut rng = PathStream::new(Key {
+                sample,
+                ..Key::default()
+            });
+            let flight = free_flight::delta::sample(&medium, &along, 3.0, &mut rng, true);
+            assert!(!flight.collided, "{origin:?}: {flight:?}");
+        }
+    }
+    // The near faces are inside.
+    let along: Ray<f32> = ray([0.0, 0.0, 0.0], [1.0, 0.0, 0.0]);
+    let interval = medium.clip(&along);
+    assert!(interval.t0 == 0.0 && interval.t1 == 7.0, "{interval:?}");
 }
 
 /// The blocks met are those of the oracle, in order: every block has a bound of its own here.

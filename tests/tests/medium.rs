@@ -204,8 +204,9 @@ impl<R: Real, S: KeyedStream<R>> Question<R> for Means<S> {
             });
             let m = values.moments();
             let name = format!("{name} {} at {t}", width::<R>());
-            if exact == 0.0 {
-                assert_eq!((m.min(), m.max()), (0.0, 0.0), "{name}");
+            if exact < 1e-9 {
+                // Zero, but for a corner that a place in `f64` has a share of and one in `f32` has not.
+                assert!(m.mean() < 1e-6, "{name}: {} for {exact:e}", m.mean());
             } else if m.max() - m.min() <= 1e-6 * exact {
                 // One value: what positions of `f32` allow, across the slopes of the fields.
                 assert!(
@@ -285,9 +286,9 @@ fn one_tap_picks_corners_by_their_weights() {
             } else {
                 assert_verdict(&name, ChiSquare::new(&counts, &weights).verdict(0.02));
             }
-            // The same counts against a place a hundredth aside: the check sees such a mistake.
+            // The same counts against a place a few hundredths aside: the check sees such a mistake.
             let aside = |corner: usize| -> f64 {
-                let p = [place[0] + if place[0] < 0.5 { 0.01 } else { -0.01 }, place[1], place[2]];
+                let p = [place[0] + if place[0] < 0.5 { 0.03 } else { -0.03 }, place[1], place[2]];
                 (0..3).map(|a| if corner >> a & 1 == 1 { p[a] } else { 1.0 - p[a] }).product()
             };
             if pixel < 3 {
@@ -327,7 +328,7 @@ fn clipping_finds_the_domain() {
     let medium = grid.medium(rows::PLACED, 1.0);
     let mut rng = SplitMix::new(88);
     let (mut hits, mut misses) = (0, 0);
-    for _ in 0..20_000 {
+    for _ in 0..100_000 {
         let origin: [f64; 3] = std::array::from_fn(|_| f64::from((6.0 * rng.normal()) as f32));
         let direction =
             unit([rng.normal(), rng.normal(), rng.normal()]).map(|d| f64::from(d as f32));
@@ -357,7 +358,7 @@ fn clipping_finds_the_domain() {
             assert!(c0 >= c1, "{interval:?} where there is nothing");
         }
     }
-    assert!(hits > 500 && misses > 500, "{hits} hits, {misses} misses");
+    assert!(hits > 1000 && misses > 1000, "{hits} hits, {misses} misses");
 }
 
 #[test]

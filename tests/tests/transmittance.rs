@@ -20,7 +20,7 @@ use woodcock_tests::stats::independent::SplitMix;
 use woodcock_tests::stats::{
     Moments, Mutants, Sample, assert_agrees, assert_verdict, judge, samples, seed,
 };
-use woodcock_tests::widths::{everyone, no_one, per_lane, ray, sample, width};
+use woodcock_tests::widths::{collect, everyone, no_one, per_lane, ray, sample, width};
 
 /// The relative standard error that each mean must reach.
 const RESOLUTION: f64 = 0.005;
@@ -50,7 +50,7 @@ fn stretch<T: Estimator>(fixture: &Fixture, loose: f32) -> Stretch {
             majorant: f64::from(majorant),
         }
     };
-    let affordable = |known: &Known| relative_variance::<T>(known) < 10.0;
+    let affordable = |known: &Known| relative_variance::<T>(known) < 6.0;
     let quarters = [1.0, 0.75, 0.5].map(|share| of(fixture.ray.t_max * share));
     let known = quarters.into_iter().find(affordable);
     let known = known.unwrap_or_else(|| of(fixture.ray.t_max * 0.25));
@@ -92,8 +92,10 @@ fn fields<T: Estimator>() {
         let nobody = Cell::new(0);
         each_width!(R, S => {
             let name = format!("{} {}", fixture.name, width::<R>());
+            // Lanes repeat what f32 drew, as `lanes.rs` shows bit by bit: half the sharpness will do.
+            let (n, resolution) = if R::LANES > 1 { (n / 4, 2.0 * RESOLUTION) } else { (n, RESOLUTION) };
             let weights = through::<T, R, S>(&fixture, &stretch, pixel, n, &nobody);
-            assert_agrees(&name, &weights, truth, RESOLUTION);
+            assert_agrees(&name, &weights, truth, resolution);
             let m = weights.moments();
             assert!(m.min() >= -1e-6 && m.max() <= 1.0, "{name}: {m:?}");
         });
@@ -118,16 +120,14 @@ fn variance_and_cost<T: Estimator>() {
         let medium = Procedural::new(per_lane::<f32>(counted), stretch.majorant);
         let along: Ray<f32> = ray(fixture.ray.origin, fixture.ray.dir);
         let mut costs = Sample::new();
-        let weights = sample::<f32, PathStream>(seed(22), pixel, n, |rng| {
+        let drawn = collect::<f32, PathStream>(seed(22), pixel, n, |rng| {
             lookups.set(0);
             let weight = T::in_any(&medium, &along, stretch.known.t_max as f32, rng, true);
             costs.push(lookups.get() as f64);
             weight
         });
-        let squares: Sample = sample::<f32, PathStream>(seed(22), pixel, n, |rng| {
-            let weight = T::in_any(&medium, &along, stretch.known.t_max as f32, rng, true);
-            weight * weight
-        });
+        let weights: Sample = drawn.iter().copied().collect();
+        let squares: Sample = drawn.iter().map(|w| w * w).collect();
         let name = |what: &str| format!("{what} of {}", fixture.name);
         assert_agrees(&name("mean"), &weights, truth, RESOLUTION);
         assert_agrees(
@@ -200,14 +200,14 @@ fn grids<T: Estimator>() {
         return;
     }
     let cloud = TestGrid::cloud([33, 26, 25], 43);
-    let random = TestGrid::random([18, 17, 9], 44, 0.4);
+    let random = TestGrid::random([18, 17, 19], 44, 0.4);
     for (kind, grid) in [("cloud", &cloud), ("random", &random)] {
         let middle = grid.dims.map(|n| 0.5 * f64::from(n - 1));
         let rays = [
             ("diagonal", middle, [1.0, 1.0, -1.0]),
             (
                 "along a face of blocks",
-                [8.0, middle[1], 8.0],
+                [16.0, middle[1], 8.0],
                 [0.0, -1.0, 0.0],
             ),
             ("skew", [5.3, 6.1, 4.4], [0.3, 0.8, 0.2]),
@@ -231,15 +231,20 @@ fn grids<T: Estimator>() {
     }
 }
 
-/// A ramp of optical depth one: the checks on the real estimators and on the planted mistakes.
+/// A ramp of optical depth one and fog of two: the checks on the real estimators and on the planted mistakes.
 #[test]
 fn mutants_die() {
     let names = WEIGHTS.map(|(name, _)| name);
     let mut suite = Mutants::new("transmittance", &names);
-    let truth = (-1.0_f64).exp();
     let n = samples(1 << 20);
-    for (pixel, majorant) in [(0, 2.0), (1, 8.0)] {
-        let medium = Procedural::new(per_lane::<f32>(|x, _, _| 2.0 * x), majorant as f32);
+    // The ramp, the same under a loose bound, where null collisions abound, and fog at its bound.
+    let ramp = |t: f64| 2.0 * t;
+    let fog = |_: f64| 2.0;
+    let profiles: [(&dyn Fn(f64) -> f64, f64, f64); 3] =
+        [(&ramp, 2.0, 1.0), (&ramp, 8.0, 1.0), (&fog, 2.0, 2.0)];
+    for (pixel, (sigma_t, majorant, depth)) in (0..).zip(profiles) {
+        let truth = (-depth).exp();
+        let medium = Procedural::new(per_lane::<f32>(|x, _, _| sigma_t(x)), majorant as f32);
         let along = ray([0.0; 3], [1.0, 0.0, 0.0]);
         let real = [
             sample::<f32, PathStream>(seed(25), pixel, n, |rng| {
@@ -252,9 +257,8 @@ fn mutants_die() {
         for weights in &real {
             suite.check("mean", judge(weights.moments(), truth, 0.003));
         }
-        let sigma_t = |t: f64| 2.0 * t;
         let profile = Profile {
-            sigma_t: &sigma_t,
+            sigma_t,
             majorant,
             t_max: 1.0,
         };
@@ -329,6 +333,9 @@ fn the_closed_form_is_exact_to_rounding() {
     }
     assert!(tested.count() > 380, "{}", tested.count());
 }
+
+#[path = "transmittance/shadows.rs"]
+mod shadows;
 
 macro_rules! row {
     ($name:ident) => {
