@@ -252,8 +252,8 @@ fn mutants_die() {
     // A ramp of optical depth one, the same under a loose bound, where null collisions abound, and fog at its bound.
     let ramp = |t: f64| 2.0 * t;
     let fog = |_: f64| 2.0;
-    let profiles: [(&dyn Fn(f64) -> f64, f64, f64); 3] =
-        [(&ramp, 2.0, 2.0), (&ramp, 12.0, 2.0), (&fog, 2.0, 1.0)];
+    type Numbers<'a> = (&'a dyn Fn(f64) -> f64, f64, f64);
+    let profiles: [Numbers<'_>; 3] = [(&ramp, 2.0, 2.0), (&ramp, 12.0, 2.0), (&fog, 2.0, 1.0)];
     for (pixel, (sigma_t, majorant, power)) in (0..).zip(profiles) {
         let cdf = |t: f64| -(-2.0 * t.powf(power) / power).exp_m1();
         let medium = Procedural::new(per_lane::<f32>(|x, _, _| sigma_t(x)), majorant as f32);

@@ -281,7 +281,7 @@ fn one_tap_picks_corners_by_their_weights() {
             };
             let weights: [f64; 8] = std::array::from_fn(weight);
             let name = format!("{place:?} {}", width::<R>());
-            if weights.iter().any(|&w| w == 1.0) {
+            if weights.contains(&1.0) {
                 assert_eq!(counts.iter().filter(|&&c| c > 0).count(), 1, "{name}: {counts:?}");
             } else {
                 assert_verdict(&name, ChiSquare::new(&counts, &weights).verdict(0.02));
@@ -306,7 +306,11 @@ fn trilinear_is_that_of_the_oracle() {
         for _ in 0..20_000 {
             let place = dims.map(|n| {
                 let p = f64::from(n - 1) * rng.uniform();
-                let p = if rng.bits() % 8 == 0 { p.round() } else { p };
+                let p = if rng.bits().is_multiple_of(8) {
+                    p.round()
+                } else {
+                    p
+                };
                 f64::from(p as f32)
             });
             let exact = 3.0 * grid.at(place);

@@ -126,7 +126,7 @@ fn the_whole_first_level_has_the_right_distribution() {
 fn the_first_level_is_monotone() {
     let mut rng = SplitMix::new(51);
     let last = u64::from(INNER.end - 2);
-    let mut check = |word: u32| {
+    let check = |word: u32| {
         let (low, high) = (first_level(word), first_level(word + 1));
         // The logarithm may fall back by its last digit, as `elementary.rs` counts; no more.
         assert!(
@@ -219,8 +219,11 @@ fn word(rng: &mut PathStream) -> u32 {
     Stream::<f32>::next_word(rng, true).0
 }
 
+/// A name, and the key of each number.
+type Neighbours = (&'static str, fn(u32) -> Key);
+
 /// Ways from one key to its neighbour.
-const NEIGHBOURS: [(&str, fn(u32) -> Key); 5] = [
+const NEIGHBOURS: [Neighbours; 5] = [
     ("samples", |i| Key {
         seed: 0,
         pixel: 0,
@@ -450,18 +453,12 @@ fn lanes_agree_at_the_rare_ends() {
     for bits in 0..256 {
         let mut wide = Scripts(scripts.clone(), [0; LANES]);
         let result = wide.exponential(LaneMask::from_bits(bits));
-        for lane in 0..LANES {
+        for (lane, script) in scripts.iter().enumerate() {
             let active = bits >> lane & 1 == 1;
-            assert_eq!(
-                wide.1[lane],
-                if active { scripts[lane].len() } else { 0 },
-                "draws of lane {lane}"
-            );
+            let drawn = if active { script.len() } else { 0 };
+            assert_eq!(wide.1[lane], drawn, "draws of lane {lane}");
             if active {
-                assert_eq!(
-                    result.lane(lane).to_bits(),
-                    exponential(&scripts[lane]).to_bits()
-                );
+                assert_eq!(result.lane(lane).to_bits(), exponential(script).to_bits());
             }
         }
     }

@@ -19,7 +19,7 @@ impl Visitor for Means {
         M: PathMedium<f32> + PathMedium<Lanes>,
         G: Geometry<f32> + Geometry<Lanes>,
     {
-        if !name.contains("cloud") {
+        if !name.starts_with("coloured cloud") {
             return;
         }
         let pixels = SIDE * SIDE;
