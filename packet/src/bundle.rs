@@ -22,11 +22,11 @@ use crate::lanes::{LANES, LaneMask, LaneWords, Lanes};
 /// A ray of a bundle.
 #[derive(Clone, Copy, Debug)]
 pub struct BundleRay {
-    /// Where it begins [length].
+    /// Where it begins \[length\].
     pub origin: [f32; 3],
     /// Unit direction.
     pub direction: [f32; 3],
-    /// How far to look [length].
+    /// How far to look \[length\].
     pub t_max: f32,
     /// Its random numbers, from their beginning.
     pub key: Key,

@@ -123,7 +123,7 @@ impl<R: Real, W: Clone> Delta<R, W> {
 /// Samples one flight on `[0, t_max)` of each active lane's ray.
 ///
 /// * `ray`: per lane, world space; its part `[0, t_max)` must lie in the medium's domain.
-/// * `t_max`: per lane [length].
+/// * `t_max`: per lane \[length\].
 ///
 /// Draws an exponential and the medium's own draws per tentative collision, and one uniform number
 /// to decide it.
