@@ -129,6 +129,8 @@ pub enum Schedule {
 
 /// What eight rays are put through.
 trait Process {
+    /// Every ray ends with its first step, so that eight at a time need no refill.
+    const ONE_STEP: bool;
     fn begin(&mut self, ray: &Ray<Lanes>, t_max: Lanes, rng: &mut LaneStream, lanes: LaneMask);
     fn tracking(&self) -> LaneMask;
     fn tentative(&self) -> LaneMask;
@@ -153,6 +155,9 @@ fn run<P: Process>(
     let mut owners = LaneWords::default();
     let mut next = 0_usize;
     let mut held = 0_u32;
+    if P::ONE_STEP {
+        return run_in_groups(process, bundle, results);
+    }
     loop {
         let running = (process.tracking() | process.tentative()).bits();
         let idle = !running & 0xff;
@@ -207,6 +212,54 @@ fn run<P: Process>(
             usage.tentative_collisions += u64::from(deciding);
             process.collide(&mut rng);
         }
+    }
+}
+
+/// Runs a process whose rays end with their first step, eight rays after eight.
+#[inline(always)]
+fn run_in_groups<P: Process>(process: &mut P, bundle: &Bundle, results: &mut [f32]) -> Usage {
+    let mut usage = Usage::default();
+    let mut group = |first: usize, rays: usize| {
+        let column = |i: usize| Lanes::new(eight(&bundle.numbers[i], first));
+        let half = |i: usize| LaneWords::new(eight(&bundle.states[i], first));
+        // Every lane begins, the ones beyond the bundle too: their results go nowhere.
+        let all = LaneMask::splat(true);
+        let mut rng = LaneStream::default();
+        rng.set_states(half(0), half(1), all);
+        let ray = Ray {
+            origin: Vec3::new(column(0), column(1), column(2)),
+            direction: Vec3::new(column(3), column(4), column(5)),
+        };
+        process.begin(&ray, column(6), &mut rng, all);
+        process.advance();
+        let counted = LaneMask::from_bits((1 << rays) - 1);
+        usage.steps += 1;
+        usage.busy_lanes += rays as u64;
+        usage.tentative_collisions += u64::from((process.tentative() & counted).count());
+        process.collide(&mut rng);
+        process.result().to_array()
+    };
+    in_groups(bundle, results, &mut group);
+    usage
+}
+
+/// Calls `group(first, rays)` for eight rays after eight, and writes what it gives.
+#[inline(always)]
+fn in_groups(
+    bundle: &Bundle,
+    results: &mut [f32],
+    mut group: impl FnMut(usize, usize) -> [f32; LANES],
+) {
+    let count = bundle.len().min(results.len());
+    let (whole, rest) = results[..count].as_chunks_mut::<LANES>();
+    let mut first = 0;
+    for out in whole {
+        *out = group(first, LANES);
+        first += LANES;
+    }
+    if !rest.is_empty() {
+        let last = group(first, rest.len());
+        rest.copy_from_slice(&last[..rest.len()]);
     }
 }
 
@@ -268,6 +321,8 @@ struct Flights<'a, M: Medium<Lanes>> {
 }
 
 impl<M: Medium<Lanes>> Process for Flights<'_, M> {
+    const ONE_STEP: bool = M::TIGHT && M::ONE_SEGMENT;
+
     #[inline(always)]
     fn begin(&mut self, ray: &Ray<Lanes>, t_max: Lanes, rng: &mut LaneStream, lanes: LaneMask) {
         self.state.begin(self.medium, ray, t_max, rng, lanes);
@@ -320,31 +375,20 @@ pub fn free_flights<M: Medium<Lanes>>(
 ///
 /// The result of a ray is that of [`woodcock_core::free_flight::analytic::sample`] with its key.
 pub fn analytic_flights(medium: &Homogeneous, bundle: &Bundle, flights: &mut [f32]) -> Usage {
-    let group = |first: usize| {
+    let mut usage = Usage::default();
+    in_groups(bundle, flights, |first, rays| {
         let half = |i: usize| LaneWords::new(eight(&bundle.states[i], first));
-        // Every lane draws, the ones beyond the bundle too: their results go nowhere.
         let all = LaneMask::splat(true);
         let mut rng = LaneStream::default();
         rng.set_states(half(0), half(1), all);
         let t_max = Lanes::new(eight(&bundle.numbers[6], first));
         let flight = analytic::sample(medium, t_max, &mut rng, all);
+        usage.steps += 1;
+        usage.busy_lanes += rays as u64;
+        usage.tentative_collisions += rays as u64;
         Lanes::select(flight.collided, flight.t, Lanes::splat(f32::INFINITY)).to_array()
-    };
-    let count = bundle.len().min(flights.len());
-    let (whole, rest) = flights[..count].as_chunks_mut::<LANES>();
-    let mut first = 0;
-    for out in whole {
-        *out = group(first);
-        first += LANES;
-    }
-    for (place, t) in rest.iter_mut().zip(group(first)) {
-        *place = t;
-    }
-    Usage {
-        steps: count.div_ceil(LANES) as u64,
-        busy_lanes: count as u64,
-        tentative_collisions: count as u64,
-    }
+    });
+    usage
 }
 
 struct Weights<'a, M: Medium<Lanes>, U> {
@@ -354,6 +398,9 @@ struct Weights<'a, M: Medium<Lanes>, U> {
 }
 
 impl<M: Medium<Lanes>, U: Rule> Process for Weights<'_, M, U> {
+    // A tight bound leaves no weight after a collision, whatever the rule.
+    const ONE_STEP: bool = M::TIGHT && M::ONE_SEGMENT;
+
     #[inline(always)]
     fn begin(&mut self, ray: &Ray<Lanes>, t_max: Lanes, rng: &mut LaneStream, lanes: LaneMask) {
         self.state.begin(self.medium, ray, t_max, rng, lanes);

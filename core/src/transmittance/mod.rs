@@ -112,7 +112,10 @@ impl<R: Real, W: Clone> Estimate<R, W> {
         let onward = lanes.and_not(self.weight.eq(R::zero()));
         self.tracking = self.tracking | onward;
         self.tentative = R::Mask::splat(false);
-        self.tracker.redraw(rng, onward);
+        // Where every collision is real, none is passed.
+        if !M::TIGHT {
+            self.tracker.redraw(rng, onward);
+        }
     }
 
     /// The weights so far: complete estimates where a lane is neither tracking nor tentative.
