@@ -74,6 +74,9 @@ fn cloud(p: [f32; 3]) -> f32 {
         // Soft union: a sum of bumps that saturates.
         inside += (1.0 - distance / (radius * 1.35)).max(0.0);
     }
+    if inside == 0.0 {
+        return 0.0; // and spare the noise
+    }
     let erosion = octaves(p.map(|c| c * 13.0 + 5.0), 5);
     let base = smooth(((q[1] - 0.055) * 16.0).clamp(0.0, 1.0));
     let shape = inside.min(1.0) * base - 1.25 * (erosion - 0.36).max(0.0) - 0.03;
