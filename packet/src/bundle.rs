@@ -188,8 +188,8 @@ fn run<M: Medium<Lanes>, P: Process<Lanes, M>>(
             usage.busy_lanes += u64::from((tracking | tentative).count());
             process.stages().advance(medium);
             let busy = (process.stages().tracking() | process.stages().tentative()).count();
-            // Where rays wait, a lane or two that have left are worth more than a fuller decision.
-            if schedule == Schedule::Refill && next < bundle.len() && busy + 1 < LANES as u32 {
+            // Where rays wait, a lane that has left is worth more than a fuller decision.
+            if schedule == Schedule::Refill && next < bundle.len() && busy < LANES as u32 {
                 break;
             }
         }
