@@ -1,7 +1,7 @@
 //! Lanes against scalars, bit by bit: operations, bundles of rays, whole paths.
 //!
-//! The strongest and steadiest test of all: no tolerance, no statistics. `#[path]` modules hold the operations and the
-//! bundles.
+//! The strongest and steadiest test of all: no tolerance, no statistics. Modules hold the operations, the formulas
+//! made of them, and the bundles.
 
 use woodcock_core::path::{Counts, Geometry, PathMedium, PathSample, Scene};
 use woodcock_core::stream::Key;
@@ -11,6 +11,8 @@ use woodcock_tests::scenes::{self, SIDE, Visitor};
 
 #[path = "lanes/bundles.rs"]
 mod bundles;
+#[path = "lanes/formulas.rs"]
+mod formulas;
 #[path = "lanes/operations.rs"]
 mod operations;
 

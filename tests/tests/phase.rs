@@ -16,74 +16,9 @@ use woodcock_tests::stats::{
 };
 use woodcock_tests::widths::{collect, everyone};
 
-/// The trio of a phase function with its parameters, over any number.
-trait Trio {
-    /// Each parameter set as a mean cosine and what the tables call it.
-    fn parameters() -> Vec<(f32, Kind)>;
-    fn eval<R: Real>(cosine: R, g: R) -> R;
-    fn sample<R: Real>(u: R, g: R) -> R;
-    fn invert<R: Real>(cosine: R, g: R) -> R;
-}
-
-struct Isotropic;
-impl Trio for Isotropic {
-    fn parameters() -> Vec<(f32, Kind)> {
-        vec![(0.0, Kind::Hg { g: 0.0 })]
-    }
-    fn eval<R: Real>(cosine: R, _: R) -> R {
-        phase::isotropic::eval(cosine)
-    }
-    fn sample<R: Real>(u: R, _: R) -> R {
-        phase::isotropic::sample(u)
-    }
-    fn invert<R: Real>(cosine: R, _: R) -> R {
-        phase::isotropic::invert(cosine)
-    }
-}
-
-struct HenyeyGreenstein;
-impl Trio for HenyeyGreenstein {
-    fn parameters() -> Vec<(f32, Kind)> {
-        let magnitudes = [
-            0.0_f32, 1e-7, 1e-4, 1e-3, 0.1, 0.3, 0.5, 0.85, 0.99, 0.999, 0.9999,
-        ];
-        let both = magnitudes.into_iter().flat_map(|g| [g, -g]);
-        both.map(|g| (g, Kind::Hg { g: f64::from(g) })).collect()
-    }
-    fn eval<R: Real>(cosine: R, g: R) -> R {
-        phase::henyey_greenstein::eval(cosine, g)
-    }
-    fn sample<R: Real>(u: R, g: R) -> R {
-        phase::henyey_greenstein::sample(u, g)
-    }
-    fn invert<R: Real>(cosine: R, g: R) -> R {
-        phase::henyey_greenstein::invert(cosine, g)
-    }
-}
-
-struct Rayleigh;
-impl Trio for Rayleigh {
-    fn parameters() -> Vec<(f32, Kind)> {
-        vec![(0.0, Kind::Rayleigh {})]
-    }
-    fn eval<R: Real>(cosine: R, _: R) -> R {
-        phase::rayleigh::eval(cosine)
-    }
-    fn sample<R: Real>(u: R, _: R) -> R {
-        phase::rayleigh::sample(u)
-    }
-    fn invert<R: Real>(cosine: R, _: R) -> R {
-        phase::rayleigh::invert(cosine)
-    }
-}
-
-/// The suite's name for each row of the registry.
-#[expect(non_camel_case_types, reason = "the registry names files")]
-mod rows {
-    pub(super) type isotropic = super::Isotropic;
-    pub(super) type henyey_greenstein = super::HenyeyGreenstein;
-    pub(super) type rayleigh = super::Rayleigh;
-}
+#[path = "phase/rows.rs"]
+mod rows;
+use rows::Trio;
 
 /// ∫ f over [−1, 1], on panels that shrink towards both ends, where narrow lobes sit.
 fn over_cosines(mut f: impl FnMut(f64) -> f64) -> f64 {
