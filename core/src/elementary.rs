@@ -4,7 +4,7 @@
 //! these do not, because each is one fixed sequence of IEEE operations over [`Binary32`]. The
 //! coefficients are minimax fits (Lawson iteration on Chebyshev nodes, rounded to `f32` one at a
 //! time, the rest refitted after each rounding). Bounds in units in the last place, over all `f32`
-//! of the stated domain (`tests/tests/elementary.rs` enumerates them):
+//! of the stated domain (`tests/tests/estimators/elementary.rs` enumerates them):
 //!
 //! | function | domain | error |
 //! |---|---|---|

@@ -9,11 +9,8 @@ use woodcock_packet::lanes::Lanes;
 use woodcock_packet::trace::{PathRequest, trace, trace_scalar};
 use woodcock_tests::scenes::{self, SIDE, Visitor};
 
-#[path = "lanes/bundles.rs"]
 mod bundles;
-#[path = "lanes/formulas.rs"]
 mod formulas;
-#[path = "lanes/operations.rs"]
 mod operations;
 
 /// Some paths of each pixel.

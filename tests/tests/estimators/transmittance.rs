@@ -334,7 +334,6 @@ fn the_closed_form_is_exact_to_rounding() {
     assert!(tested.count() > 380, "{}", tested.count());
 }
 
-#[path = "transmittance/shadows.rs"]
 mod shadows;
 
 macro_rules! row {

@@ -16,7 +16,6 @@ use woodcock_tests::stats::{
 };
 use woodcock_tests::widths::{collect, everyone};
 
-#[path = "phase/rows.rs"]
 mod rows;
 use rows::Trio;
 

@@ -8,9 +8,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 use woodcock_host::volume::{Limits, vdb};
 
-#[path = "vdb/damaged.rs"]
 mod damaged;
-#[path = "vdb/queries.rs"]
 mod queries;
 
 /// What one file, or one question to it, may cost.

@@ -14,7 +14,6 @@ use woodcock_tests::stats::{
 };
 use woodcock_tests::widths::{collect, everyone, sample, width};
 
-#[path = "stream/keys.rs"]
 mod keys;
 
 /// A stream that gives the words it is told to.

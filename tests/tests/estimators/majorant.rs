@@ -10,7 +10,6 @@ use woodcock_tests::grids::TestGrid;
 use woodcock_tests::stats::independent::SplitMix;
 use woodcock_tests::widths::{everyone, ray, width};
 
-#[path = "majorant/errors.rs"]
 mod errors;
 
 /// Sizes around the edge of a block: inside one, one exactly, one and a sample, many.

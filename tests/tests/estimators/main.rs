@@ -1,0 +1,13 @@
+//! The suites of `core` and `packet`, in one program: linking one is quicker than linking ten.
+#![forbid(unsafe_code)]
+
+mod coverage;
+mod elementary;
+mod free_flight;
+mod lanes;
+mod majorant;
+mod medium;
+mod phase;
+mod stability;
+mod stream;
+mod transmittance;

@@ -1,0 +1,7 @@
+//! The suites of `host`, in one program.
+#![forbid(unsafe_code)]
+
+mod pbrt;
+mod pbrt_errors;
+mod pbrt_mutations;
+mod vdb;
