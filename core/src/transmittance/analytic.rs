@@ -3,7 +3,7 @@
 use crate::medium::Homogeneous;
 use crate::real::Real;
 
-/// The transmittance of `[0, t_max)`, per lane; exact up to rounding (1.1 ulp of `exp`, and the
+/// The transmittance of `[0, t_max)`, per lane; exact up to rounding (1 ulp of `exp`, and the
 /// relative error 6e-8 of the optical depth times that depth).
 #[inline(always)]
 pub fn estimate<R: Real>(medium: &Homogeneous, t_max: R) -> R {

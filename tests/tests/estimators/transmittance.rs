@@ -323,7 +323,7 @@ fn the_closed_form_is_exact_to_rounding() {
             if exact < f64::from(f32::MIN_POSITIVE) {
                 continue;
             }
-            let allowed = 1.1 * 1.2e-7 + 6e-8 * depth;
+            let allowed = 1.2e-7 + 6e-8 * depth;
             assert!(
                 (f64::from(weight) / exact - 1.0).abs() <= allowed,
                 "depth {depth:e}: {weight:e} for {exact:e}"
