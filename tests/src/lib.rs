@@ -6,4 +6,5 @@
 
 pub mod fixtures;
 pub mod refs;
+pub mod scenes;
 pub mod stats;
