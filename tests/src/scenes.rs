@@ -73,7 +73,10 @@ pub fn single_ray(from: Xyz, towards: Xyz) -> String {
 
 /// The same radiance from everywhere.
 pub fn sky(radiance: f64) -> String {
-    format!("LightSource \"infinite\" \"rgb L\" {}\n", numbers(&[radiance; 3]))
+    format!(
+        "LightSource \"infinite\" \"rgb L\" {}\n",
+        numbers(&[radiance; 3])
+    )
 }
 
 /// Parallel light of irradiance 1 times `strength`, from where `towards` points.
@@ -197,7 +200,13 @@ pub fn block(inside: &str, outside: &str, [low, high]: [Xyz; 2]) -> String {
 /// The shape of [`block`] alone.
 pub fn block_mesh([low, high]: [Xyz; 2]) -> String {
     let corners = [0, 1, 3, 2, 4, 5, 7, 6].map(|i: usize| {
-        std::array::from_fn::<_, 3, _>(|axis| if i >> axis & 1 == 1 { high[axis] } else { low[axis] })
+        std::array::from_fn::<_, 3, _>(|axis| {
+            if i >> axis & 1 == 1 {
+                high[axis]
+            } else {
+                low[axis]
+            }
+        })
     });
     format!(
         "Shape \"trianglemesh\" \"point3 P\" {} \"integer indices\" {BLOCK_TRIANGLES}",
@@ -218,7 +227,11 @@ pub struct Studio {
 ///
 /// # Errors
 /// As reading and assembling do.
-pub fn try_stage(text: &str, files: MemoryFiles, options: &world::Options) -> Result<Studio, SceneError> {
+pub fn try_stage(
+    text: &str,
+    files: MemoryFiles,
+    options: &world::Options,
+) -> Result<Studio, SceneError> {
     let files = files.with(NAME, text.as_bytes());
     let reading = scene::Options {
         max_memory: options.limits.max_memory,
@@ -308,7 +321,10 @@ impl Studio {
 impl Picture {
     /// The means of all pixels, each as one weight: where every pixel sees the same, their mean and its error.
     pub fn moments(&self, channel: usize) -> Moments {
-        self.film.pixels().map(|(.., p)| p.mean()[channel]).collect()
+        self.film
+            .pixels()
+            .map(|(.., p)| p.mean()[channel])
+            .collect()
     }
 
     /// One channel with its variance, for comparisons of images.
@@ -332,8 +348,15 @@ impl Picture {
     /// When it does not hold.
     #[track_caller]
     pub fn assert_sound(&self, name: &str) -> &Self {
-        assert_eq!(self.film.nonfinite().count, 0, "{name}: paths were not finite");
-        assert_eq!(self.counts.majorant_violations, 0, "{name}: a bound was exceeded");
+        assert_eq!(
+            self.film.nonfinite().count,
+            0,
+            "{name}: paths were not finite"
+        );
+        assert_eq!(
+            self.counts.majorant_violations, 0,
+            "{name}: a bound was exceeded"
+        );
         self
     }
 

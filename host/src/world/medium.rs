@@ -136,7 +136,7 @@ pub(super) fn assemble(
     };
     let placed = place(medium, &samples, origin)
         .ok_or_else(|| SceneError::at(&medium.place, "the medium's transform is singular"))?;
-    record.kind = append(samples, placed.0, tables).map_err(|why| {
+    record.kind = append(samples, placed.0, record.scale, tables).map_err(|why| {
         SceneError::at(&medium.place, format!("medium \"{}\": {why}", medium.name))
     })?;
     Ok(Some(Medium {
@@ -167,6 +167,7 @@ pub(super) fn rows(map: &DAffine3) -> Affine {
 fn append(
     samples: Samples,
     world_to_grid: Affine,
+    scale: f32,
     tables: &mut Tables,
 ) -> Result<RecordKind, String> {
     let dims = samples.dims;
@@ -178,6 +179,13 @@ fn append(
     tables.majorants.resize(first_bound + bounds, 0.0);
     let space = tables.majorants.get_mut(first_bound..).unwrap_or_default();
     fill_majorants(&samples.values, dims, space).map_err(|error| error.to_string())?;
+    // An infinite bound would leave paths where they are, for ever.
+    let peak = space.iter().copied().fold(0.0, f32::max);
+    if !(peak * scale).is_finite() {
+        return Err(format!(
+            "density {peak:e} times {scale:e} is beyond the range of 32-bit numbers"
+        ));
+    }
     if first == 0 {
         tables.samples = samples.values;
     } else {

@@ -6,6 +6,7 @@ mod medium;
 mod needs;
 mod shape;
 
+use boundaries::Facing;
 pub use boundaries::{Boundaries, Sides};
 pub use medium::{Medium, Support, Tables};
 pub use needs::{Decision, Feature, Need, Needs};
@@ -83,6 +84,21 @@ impl World {
             environment: self.environment,
             sample_environment: self.needs.runs(Feature::EnvironmentNextEvent),
         }
+    }
+
+    /// Whether a medium without bounds scatters some colour without ever absorbing it, so that a path in it ends
+    /// only where it is cut off.
+    pub fn is_endless(&self) -> bool {
+        let exterior = match &self.place {
+            Location::Convex(Convex::Everywhere) => Some(0),
+            Location::Boundaries(boundaries) => boundaries.exterior(),
+            _ => None,
+        };
+        let medium = exterior.and_then(|index| self.media.get(index));
+        medium.is_some_and(|m| {
+            let record = &m.record;
+            m.support.is_none() && (0..3).any(|c| record.albedo[c] == 1.0 && record.colour[c] > 0.0)
+        })
     }
 }
 
@@ -198,17 +214,19 @@ fn picture(scene: &Scene, options: &Options) -> Result<([u32; 2], Window), Scene
     let window = match options.crop {
         Some(crop) => Window::crop(resolution, crop),
         None if options.resolution.is_some() => {
-            let fraction = |n: u32, of: u32| n as f32 / of as f32;
+            // In integers: a third of 300 pixels is 100, and not 100.000003 rounded up.
+            let edge = |at: u32, of: u32, size: u32| {
+                let scaled = u64::from(at) * u64::from(size);
+                u32::try_from(scaled.div_ceil(u64::from(of).max(1))).unwrap_or(size)
+            };
             let c = &film.crop;
-            Window::crop(
-                resolution,
-                [
-                    fraction(c.x0, film.width),
-                    fraction(c.x1, film.width),
-                    fraction(c.y0, film.height),
-                    fraction(c.y1, film.height),
-                ],
-            )
+            let [width, height] = resolution;
+            Window {
+                x0: edge(c.x0, film.width, width),
+                y0: edge(c.y0, film.height, height),
+                x1: edge(c.x1, film.width, width),
+                y1: edge(c.y1, film.height, height),
+            }
         }
         None => {
             let c = &film.crop;
@@ -327,12 +345,24 @@ fn locate(
             (b, sides)
         })
         .filter(|(_, sides)| sides.inside != sides.outside)
+        .map(|(b, sides)| match boundaries::facing(&b.shape) {
+            Facing::Outwards => (b, sides),
+            Facing::Inwards => (b, sides.swapped()),
+            Facing::Open => {
+                let message =
+                    "this surface is not closed: where a ray crosses it once, no medium is found";
+                warnings.push(SceneError::at(&b.place, message).into_warning());
+                (b, sides)
+            }
+        })
         .collect();
-    let exterior = exterior(scene, assembled, &boundaries, origin);
+    let exterior = exterior(scene, assembled, &boundaries);
     if let Some(id) = scene.camera_medium
-        && exterior.is_none()
-        && boundaries.is_empty()
-        && assembled.of(Some(id)).is_some()
+        && let Some(index) = assembled.of(Some(id))
+        && exterior != Some(index)
+        && boundaries
+            .iter()
+            .all(|(_, sides)| sides.inside != Some(index))
         && let Some(medium) = scene.medium(id)
     {
         warnings.push(
@@ -387,23 +417,23 @@ fn locate(
     }
 }
 
-/// The medium outside of all boundaries: that of the camera where there is none, else the one that
-/// boundaries name as their outside but none as its inside.
+/// The medium outside of all boundaries: the one that boundaries name as their outside but none as its
+/// inside, else that of the camera, unless a boundary encloses it.
 fn exterior(
     scene: &Scene,
     assembled: &Assembled,
     boundaries: &[(&crate::scene::Boundary, Sides)],
-    _origin: DVec3,
 ) -> Option<usize> {
-    if boundaries.is_empty() {
-        return assembled.of(scene.camera_medium);
-    }
-    let outside = boundaries.iter().filter_map(|(_, sides)| sides.outside);
-    outside.into_iter().find(|medium| {
+    let enclosed = |medium: usize| {
         boundaries
             .iter()
-            .all(|(_, sides)| sides.inside != Some(*medium))
-    })
+            .any(|(_, sides)| sides.inside == Some(medium))
+    };
+    boundaries
+        .iter()
+        .filter_map(|(_, sides)| sides.outside)
+        .chain(assembled.of(scene.camera_medium))
+        .find(|medium| !enclosed(*medium))
 }
 
 /// One medium in one convex shape, if that is what the scene comes to.

@@ -56,7 +56,8 @@ fn grey_furnaces() -> Vec<Furnace> {
         ),
         plain(
             "grid cut by a ball",
-            uniform_grid("m", [12, 9, 11], UNIT, blob, &white(6.0, 0.3)) + &ball("m", "", [0.3; 3], 0.9),
+            uniform_grid("m", [12, 9, 11], UNIT, blob, &white(6.0, 0.3))
+                + &ball("m", "", [0.3; 3], 0.9),
         ),
         plain(
             "two that overlap",
@@ -145,13 +146,13 @@ fn what_is_kept_unneeded_leaves_the_furnace_white() {
 fn shadow_rays_to_the_sky_keep_the_mean() {
     for furnace in grey_furnaces() {
         let world = sky(1.0) + &furnace.world;
-        for (camera, shadow) in [
-            (1, ShadowEstimator::Delta),
-            (2, ShadowEstimator::Ratio),
-        ] {
+        for (camera, shadow) in [(1, ShadowEstimator::Delta), (2, ShadowEstimator::Ratio)] {
             let text = scene(&cameras()[camera], [16, 16], &world);
-            let mut studio =
-                stage_with(&text, furnace.files.clone(), &[Feature::EnvironmentNextEvent]);
+            let mut studio = stage_with(
+                &text,
+                furnace.files.clone(),
+                &[Feature::EnvironmentNextEvent],
+            );
             studio.plan.settings.shadow = shadow;
             let picture = studio.shoot(64);
             picture.assert_sound(furnace.name);
@@ -203,8 +204,14 @@ fn colours_of_different_extinction_stay_white() {
 #[test]
 fn an_albedo_just_below_one_is_seen() {
     // The furnace must be able to fail: 0.1 % of absorption shows on paths of a few scatterings.
-    let world = sky(1.0) + &homogeneous("m", &grey(5.0, 0.999, 0.0)) + &ball("m", "", [0.0; 3], 1.0);
-    let picture = stage(&scene(&single_ray([0.0, 0.0, -3.0], [0.0, 0.0, 1.0]), [16, 16], &world)).shoot(64);
+    let world =
+        sky(1.0) + &homogeneous("m", &grey(5.0, 0.999, 0.0)) + &ball("m", "", [0.0; 3], 1.0);
+    let picture = stage(&scene(
+        &single_ray([0.0, 0.0, -3.0], [0.0, 0.0, 1.0]),
+        [16, 16],
+        &world,
+    ))
+    .shoot(64);
     let m = picture.moments(0);
     let z = (m.mean() - 1.0) / m.standard_error();
     assert!(z < -10.0, "{z}");
