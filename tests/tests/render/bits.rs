@@ -54,7 +54,8 @@ fn cases() -> Vec<Case> {
         case(
             "grid",
             &far,
-            uniform_grid("m", [19, 8, 13], unit, lumps, &grey(9.0, 0.97, 0.6)) + &block("m", "", unit),
+            uniform_grid("m", [19, 8, 13], unit, lumps, &grey(9.0, 0.97, 0.6))
+                + &block("m", "", unit),
             &[],
         ),
         case(
@@ -98,7 +99,13 @@ fn eight_lanes_and_one_give_the_same_bits() {
         assert!(packet.film == scalar.film, "{}", case.name);
         let work = |p: &Picture| {
             let c = p.counts;
-            [c.paths, c.tentative_collisions, c.real_collisions, c.null_collisions, c.majorant_cells]
+            [
+                c.paths,
+                c.tentative_collisions,
+                c.real_collisions,
+                c.null_collisions,
+                c.majorant_cells,
+            ]
         };
         assert_eq!(work(&packet), work(&scalar), "{}", case.name);
     }
@@ -142,10 +149,17 @@ fn a_crop_is_part_of_the_whole() {
             .film;
         assert_eq!(part.window().pixels(), 30 * 15);
         let window = part.window();
-        let inside: Vec<_> = whole.pixels().filter(|(x, y, _)| window.contains(*x, *y)).collect();
+        let inside: Vec<_> = whole
+            .pixels()
+            .filter(|(x, y, _)| window.contains(*x, *y))
+            .collect();
         for (x, y, pixel) in part.pixels() {
             let same = inside.iter().find(|(a, b, _)| (*a, *b) == (x, y));
-            assert!(same.is_some_and(|(.., p)| *p == pixel), "{}: ({x}, {y})", case.name);
+            assert!(
+                same.is_some_and(|(.., p)| *p == pixel),
+                "{}: ({x}, {y})",
+                case.name
+            );
         }
     }
 }
@@ -169,15 +183,27 @@ fn files_of_the_same_content_give_the_same_bits() {
         let world = sky(1.0)
             + &openvdb("m", file, &grey(9.0, 0.8, 0.4))
             + &block("m", "", [[-2.0; 3], [2.0; 3]]);
-        let text = scene(&perspective([0.0, 0.8, -5.0], [0.0, 0.0, 1.0], 30.0), [24; 2], &world);
-        stage_with(&text, volume(file), &[]).shoot_passes(&[0..2]).film
+        let text = scene(
+            &perspective([0.0, 0.8, -5.0], [0.0, 0.0, 1.0], 30.0),
+            [24; 2],
+            &world,
+        );
+        stage_with(&text, volume(file), &[])
+            .shoot_passes(&[0..2])
+            .film
     };
     let zip = shoot("cloud_zip.vdb");
-    assert!(zip.pixels().any(|(.., p)| p.alpha() > 0.0), "the cloud is seen");
+    assert!(
+        zip.pixels().any(|(.., p)| p.alpha() > 0.0),
+        "the cloud is seen"
+    );
     assert!(zip == shoot("cloud_blosc.vdb"));
     assert!(zip == shoot("cloud_active.vdb"));
     assert!(shoot("cloud_half_zip.vdb") == shoot("cloud_half_blosc.vdb"));
-    assert_ne!(volume_bytes("cloud_zip.vdb"), volume_bytes("cloud_blosc.vdb"));
+    assert_ne!(
+        volume_bytes("cloud_zip.vdb"),
+        volume_bytes("cloud_blosc.vdb")
+    );
 }
 
 #[test]

@@ -32,15 +32,31 @@ fn chords_of_balls_and_blocks() {
     let m = homogeneous("m", &absorbing(0.7));
     for b in [0.0, 0.3, 0.8] {
         let chord = 2.0 * (1.0_f64 - b * b).sqrt();
-        let text = ray([b, 0.0, -4.0], [0.0, 0.0, 1.0], &(m.clone() + &ball("m", "", [0.0; 3], 1.0)));
-        for keep in [&[][..], &[Feature::Boundaries], &[Feature::Tracking, Feature::Chromatic]] {
+        let text = ray(
+            [b, 0.0, -4.0],
+            [0.0, 0.0, 1.0],
+            &(m.clone() + &ball("m", "", [0.0; 3], 1.0)),
+        );
+        for keep in [
+            &[][..],
+            &[Feature::Boundaries],
+            &[Feature::Tracking, Feature::Chromatic],
+        ] {
             assert_depth("ball", &stage_keeping(&text, keep), [0.7 * chord; 3]);
         }
     }
     // Through the corner of a block: in at z = −1, out at x = 1.
-    let text = ray([-0.5, 0.2, -2.0], [1.0, 0.0, 1.0], &(m + &block("m", "", UNIT)));
+    let text = ray(
+        [-0.5, 0.2, -2.0],
+        [1.0, 0.0, 1.0],
+        &(m + &block("m", "", UNIT)),
+    );
     for keep in [&[][..], &[Feature::Boundaries], &[Feature::SeveralMedia]] {
-        assert_depth("block", &stage_keeping(&text, keep), [0.7 * 0.5 * 2.0_f64.sqrt(); 3]);
+        assert_depth(
+            "block",
+            &stage_keeping(&text, keep),
+            [0.7 * 0.5 * 2.0_f64.sqrt(); 3],
+        );
     }
 }
 
@@ -55,7 +71,11 @@ fn each_colour_is_absorbed_by_its_own_coefficient() {
     ] {
         let text = ray([0.3, 0.1, -2.0], [0.0, 0.0, 1.0], &world);
         assert_depth("colours", &stage(&text), sigma.map(|s| 2.0 * s));
-        assert_depth("colours, kept", &stage_keeping(&text, &[Feature::Boundaries]), sigma.map(|s| 2.0 * s));
+        assert_depth(
+            "colours, kept",
+            &stage_keeping(&text, &[Feature::Boundaries]),
+            sigma.map(|s| 2.0 * s),
+        );
     }
 }
 
@@ -69,7 +89,10 @@ fn absorption_by_colour_that_adds_up_to_grey() {
     assert_near("white", &picture.moments(0), 1.0, 0.0, 1e-6);
     assert_near("black", &picture.moments(2), (-2.0_f64).exp(), 0.0, 0.02);
     let middle = picture.moments(1).mean();
-    assert!(middle > picture.moments(2).mean() && middle < 1.0, "{middle}");
+    assert!(
+        middle > picture.moments(2).mean() && middle < 1.0,
+        "{middle}"
+    );
 }
 
 #[test]
@@ -78,7 +101,8 @@ fn grids_fade_to_nothing_over_half_a_cell() {
     for cells in [1, 2, 7, 30] {
         let h = 2.0 / cells as f64;
         let along = h * (cells as f64 - 0.25);
-        let world = uniform_grid("m", [cells, 1, 1], UNIT, |_| 1.0, &absorbing(0.5)) + &block("m", "", UNIT);
+        let world = uniform_grid("m", [cells, 1, 1], UNIT, |_| 1.0, &absorbing(0.5))
+            + &block("m", "", UNIT);
         let text = ray([-3.0, 0.0, 0.0], [1.0, 0.0, 0.0], &world);
         assert_depth("constant grid", &stage(&text), [0.5 * along; 3]);
     }
@@ -88,7 +112,13 @@ fn grids_fade_to_nothing_over_half_a_cell() {
 fn a_linear_grid_on_an_oblique_ray() {
     // Density 1 + z/2 between the outermost samples; the block keeps to where it is linear.
     let density = |[_, _, z]: Xyz| 1.0 + 0.5 * z;
-    let world = uniform_grid("m", [5, 6, 7], [[-1.5; 3], [1.5; 3]], density, &absorbing(0.6)) + &block("m", "", UNIT);
+    let world = uniform_grid(
+        "m",
+        [5, 6, 7],
+        [[-1.5; 3], [1.5; 3]],
+        density,
+        &absorbing(0.6),
+    ) + &block("m", "", UNIT);
     // From (−1, −1/2, −1) to (1, 1/2, 1): the mean of z is 0.
     let text = ray([-2.0, -1.0, -2.0], [2.0, 1.0, 2.0], &world);
     assert_depth("linear", &stage(&text), [0.6 * 3.0; 3]);
@@ -117,7 +147,11 @@ fn volume_files_on_rays_in_all_directions() {
         let world = openvdb("m", file, &absorbing(sigma)) + &block("m", "", [[-9.0; 3], [9.0; 3]]);
         let text = ray(from, towards, &world);
         assert_depth(file, &stage_with(&text, volume(file), &[]), [1.2; 3]);
-        let kept = [Feature::Boundaries, Feature::SeveralMedia, Feature::Chromatic];
+        let kept = [
+            Feature::Boundaries,
+            Feature::SeveralMedia,
+            Feature::Chromatic,
+        ];
         assert_depth(file, &stage_with(&text, volume(file), &kept), [1.2; 3]);
     }
 }
@@ -143,10 +177,18 @@ fn media_that_overlap_add_up() {
         + &block("b", "", [[-0.5, -0.5, 0.0], [0.5, 0.5, 2.0]])
         + &block("c", "", [[-1.0, -1.0, -0.25], [1.0, 1.0, 0.75]]);
     let depth = 0.3 * 2.0 + 0.5 * 2.0 + 0.2;
-    assert_depth("overlap", &stage(&ray([0.0, 0.0, -3.0], [0.0, 0.0, 1.0], &world)), [depth; 3]);
+    assert_depth(
+        "overlap",
+        &stage(&ray([0.0, 0.0, -3.0], [0.0, 0.0, 1.0], &world)),
+        [depth; 3],
+    );
     // From within all three.
     let depth = 0.3 * 0.5 + 0.5 * 1.5 + 0.2 * 0.25;
-    assert_depth("overlap, within", &stage(&ray([0.0, 0.0, 0.5], [0.0, 0.0, 1.0], &world)), [depth; 3]);
+    assert_depth(
+        "overlap, within",
+        &stage(&ray([0.0, 0.0, 0.5], [0.0, 0.0, 1.0], &world)),
+        [depth; 3],
+    );
 }
 
 #[test]
@@ -156,9 +198,21 @@ fn a_named_outside_gives_way() {
         + &ball("fog", "", [0.0; 3], 1.0)
         + &ball("core", "fog", [0.0; 3], 0.25);
     let through = 0.3 * 1.5 + 2.0 * 0.5;
-    assert_depth("core", &stage(&ray([0.0, 0.0, -3.0], [0.0, 0.0, 1.0], &world)), [through; 3]);
-    assert_depth("beside", &stage(&ray([0.6, 0.0, -3.0], [0.0, 0.0, 1.0], &world)), [0.3 * 1.6; 3]);
-    assert_depth("from the core", &stage(&ray([0.0; 3], [0.0, 0.0, 1.0], &world)), [0.3 * 0.75 + 0.5; 3]);
+    assert_depth(
+        "core",
+        &stage(&ray([0.0, 0.0, -3.0], [0.0, 0.0, 1.0], &world)),
+        [through; 3],
+    );
+    assert_depth(
+        "beside",
+        &stage(&ray([0.6, 0.0, -3.0], [0.0, 0.0, 1.0], &world)),
+        [0.3 * 1.6; 3],
+    );
+    assert_depth(
+        "from the core",
+        &stage(&ray([0.0; 3], [0.0, 0.0, 1.0], &world)),
+        [0.3 * 0.75 + 0.5; 3],
+    );
     // A hole of vacuum in the core.
     let hole = world + &ball("", "core", [0.0; 3], 0.1);
     let text = ray([0.0, 0.0, -3.0], [0.0, 0.0, 1.0], &hole);

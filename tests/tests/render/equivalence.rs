@@ -35,7 +35,8 @@ fn a_constant_grid_is_a_homogeneous_medium() {
     let reference = homogeneous("m", &matter) + &block("m", "", UNIT);
     let reference = picture(&reference, &[], 31, 96);
     // Constant wherever the block is, so that its fading rim is cut off.
-    let grid = uniform_grid("m", [10, 9, 8], [[-1.5; 3], [1.5; 3]], |_| 1.0, &matter) + &block("m", "", UNIT);
+    let grid = uniform_grid("m", [10, 9, 8], [[-1.5; 3], [1.5; 3]], |_| 1.0, &matter)
+        + &block("m", "", UNIT);
     assert_same_picture("grid", &picture(&grid, &[], 32, 96), &reference, 0.01);
 }
 
@@ -53,20 +54,35 @@ fn a_block_may_be_cut_into_blocks() {
         + &homogeneous("n", &matter)
         + &block("m", "", [[-1.0; 3], [0.2, 1.0, 1.0]])
         + &block("n", "", [[0.2, -1.0, -1.0], [1.0; 3]]);
-    assert_same_picture("two media", &picture(&halves, &[], 35, 96), &reference, 0.01);
+    assert_same_picture(
+        "two media",
+        &picture(&halves, &[], 35, 96),
+        &reference,
+        0.01,
+    );
     // Of half the coefficients, twice over the same place.
     let half = grey(1.25, 0.95, 0.6);
     let twice = homogeneous("m", &half)
         + &homogeneous("n", &half)
         + &block("m", "", UNIT)
         + &block("n", "", [[-1.0; 3], [1.0, 1.0, 1.0]]);
-    assert_same_picture("twice a half", &picture(&twice, &[], 36, 96), &reference, 0.01);
+    assert_same_picture(
+        "twice a half",
+        &picture(&twice, &[], 36, 96),
+        &reference,
+        0.01,
+    );
 }
 
 #[test]
 fn surfaces_turned_inside_out_enclose_the_same() {
     let m = homogeneous("m", &grey(2.5, 0.95, 0.6));
-    let reference = picture(&(m.clone() + &block("m", "", UNIT)), &[Feature::Boundaries], 37, 64);
+    let reference = picture(
+        &(m.clone() + &block("m", "", UNIT)),
+        &[Feature::Boundaries],
+        37,
+        64,
+    );
     let turned = |sides: &str, reverse: &str| {
         format!(
             "{m}AttributeBegin Material \"interface\" MediumInterface {sides} {reverse}\n{}\nAttributeEnd\n",
@@ -88,7 +104,12 @@ fn surfaces_turned_inside_out_enclose_the_same() {
         "{m}AttributeBegin Scale -1 1 1\nMaterial \"interface\" MediumInterface \"m\" \"\"\n{}\nAttributeEnd\n",
         block_mesh(UNIT)
     );
-    assert_same_picture("mirrored", &picture(&mirrored, &[], 40, 64), &reference, 0.02);
+    assert_same_picture(
+        "mirrored",
+        &picture(&mirrored, &[], 40, 64),
+        &reference,
+        0.02,
+    );
 }
 
 #[test]
@@ -101,12 +122,14 @@ fn what_is_kept_changes_no_mean() {
         ),
         (
             "grid",
-            uniform_grid("m", [9, 8, 7], UNIT, lumps, &grey(4.0, 0.9, -0.3)) + &block("m", "", UNIT),
+            uniform_grid("m", [9, 8, 7], UNIT, lumps, &grey(4.0, 0.9, -0.3))
+                + &block("m", "", UNIT),
             MemoryFiles::new(),
         ),
         (
             "cloud",
-            openvdb("m", "cloud_zip.vdb", &grey(8.0, 0.95, 0.7)) + &block("m", "", [[-2.0; 3], [2.0; 3]]),
+            openvdb("m", "cloud_zip.vdb", &grey(8.0, 0.95, 0.7))
+                + &block("m", "", [[-2.0; 3], [2.0; 3]]),
             volume("cloud_zip.vdb"),
         ),
     ];
@@ -152,7 +175,9 @@ fn delta_and_ratio_shadows_agree() {
 fn colours_are_as_if_rendered_one_by_one() {
     let (absorption, scattering) = ([0.1, 0.4, 1.2], [4.0, 2.0, 0.5]);
     let worlds: [(&str, fn(&Matter) -> String); 2] = [
-        ("ball", |m| homogeneous("m", m) + &ball("m", "", [0.0; 3], 1.0)),
+        ("ball", |m| {
+            homogeneous("m", m) + &ball("m", "", [0.0; 3], 1.0)
+        }),
         ("grid", |m| {
             uniform_grid("m", [9, 8, 7], UNIT, lumps, m) + &block("m", "", UNIT)
         }),
@@ -182,12 +207,19 @@ fn colours_are_as_if_rendered_one_by_one() {
 #[test]
 fn several_suns_are_the_sum_of_each() {
     let world = homogeneous("m", &grey(3.0, 0.9, 0.5)) + &ball("m", "", [0.0; 3], 1.0);
-    let suns = [sun([1.0, 1.0, 0.0], [2.0; 3]), sun([-1.0, 0.2, -1.0], [3.0; 3]), sky(0.3)];
+    let suns = [
+        sun([1.0, 1.0, 0.0], [2.0; 3]),
+        sun([-1.0, 0.2, -1.0], [3.0; 3]),
+        sky(0.3),
+    ];
     let shoot = |lights: &str, seed, keep: &[Feature]| {
-        stage_keeping(&scene(&view(), [24, 24], &(lights.to_owned() + &world)), keep)
-            .seeded(seed)
-            .shoot(128)
-            .moments(0)
+        stage_keeping(
+            &scene(&view(), [24, 24], &(lights.to_owned() + &world)),
+            keep,
+        )
+        .seeded(seed)
+        .shoot(128)
+        .moments(0)
     };
     let parts = [0, 1, 2].map(|i| shoot(&suns[i], 71 + i as u64, &[]));
     let sum: f64 = parts.iter().map(|m| m.mean()).sum();
