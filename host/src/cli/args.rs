@@ -106,7 +106,7 @@ pub struct RenderArgs {
         value_parser = values::crop,
         allow_hyphen_values = true
     )]
-    pub crop: Option<[f32; 4]>,
+    pub crop: Option<[f64; 4]>,
     /// Most scatterings of a path; without it, no limit but the scene's
     #[arg(long, value_name = "N")]
     pub max_depth: Option<u32>,

@@ -1,5 +1,7 @@
 //! From a scene's media to the tables that kernels walk.
 
+use std::cell::RefCell;
+
 use glam::{DAffine3, DMat3, DVec3};
 use woodcock_core::majorant::{fill_majorants, majorant_count};
 use woodcock_core::medium::Affine;
@@ -247,13 +249,16 @@ fn padded(dims: [u64; 3], limits: &Limits) -> Result<[u32; 3], String> {
 /// One grid of an OpenVDB file.
 fn openvdb(bytes: &[u8], name: &str, limits: &Limits) -> Result<Option<Samples>, String> {
     let text = |error: vdb::VdbError| error.to_string();
-    let file = vdb::read_grids(bytes, limits, |grid| grid == name).map_err(text)?;
+    let seen = RefCell::new(Vec::new());
+    let wanted = |grid: &str| {
+        seen.borrow_mut().push(format!("\"{grid}\""));
+        grid == name
+    };
+    let file = vdb::read_grids(bytes, limits, wanted).map_err(text)?;
     let Some(grid) = file.grid(name) else {
-        let names: Vec<_> = file
-            .grids
-            .iter()
-            .map(|g| format!("\"{}\"", g.name))
-            .collect();
+        let mut names = seen.into_inner();
+        names.sort();
+        names.dedup();
         return Err(match names.is_empty() {
             true => format!("there is no grid \"{name}\": the file has no grids"),
             false => format!("there is no grid \"{name}\", only {}", names.join(", ")),

@@ -71,7 +71,7 @@ pub struct Options {
     /// Picture size in place of the scene's.
     pub resolution: Option<[u32; 2]>,
     /// Part of the picture in place of the scene's, in fractions of it.
-    pub crop: Option<[f32; 4]>,
+    pub crop: Option<[f64; 4]>,
     /// Memory.
     pub limits: Limits,
 }

@@ -317,15 +317,12 @@ fn colours_that_overlap_are_refused_where_they_do() {
 
 #[test]
 fn memory_is_asked_for_before_it_is_taken() {
-    let tiles = view(&(openvdb("m", "tiles.vdb", &grey(1.0, 0.5, 0.0)) + &block("m", "", UNIT)));
-    let limits = Limits {
-        max_memory: 64 << 20,
-    };
-    let error = refuse(&tiles, volume("tiles.vdb"), limits).report();
-    assert!(
-        error.contains("max-memory") && error.contains("tiles.vdb"),
-        "{error}"
-    );
+    for (file, limit) in [("fire_160.vdb", 1 << 20), ("far_coords.vdb", 1 << 30)] {
+        let text = view(&(openvdb("m", file, &grey(1.0, 0.5, 0.0)) + &block("m", "", UNIT)));
+        let error = refuse(&text, volume(file), Limits { max_memory: limit }).report();
+        let named = error.contains(file) && error.contains("limit") && error.contains("test.pbrt:");
+        assert!(named, "{error}");
+    }
     let world = homogeneous("m", &grey(1.0, 0.5, 0.0)) + &ball("m", "", [0.0; 3], 1.0);
     let camera = perspective([0.0, 0.0, -3.0], [0.0, 0.0, 1.0], 40.0);
     let text = scene(&camera, [1000, 1000], &world);

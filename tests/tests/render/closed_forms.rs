@@ -62,7 +62,7 @@ fn chords_of_balls_and_blocks() {
 
 #[test]
 fn each_colour_is_absorbed_by_its_own_coefficient() {
-    let sigma = [0.1, 0.9, 2.0];
+    let sigma = [0.1, 0.7, 1.2];
     let matter = coloured(sigma, [0.0; 3], 0.0);
     for world in [
         homogeneous("m", &matter) + &block("m", "", UNIT),

