@@ -216,3 +216,29 @@ fn slabs_under_a_sun() {
         }
     }
 }
+
+#[test]
+fn planted_mistakes_are_told_apart() {
+    // Each is a plausible slip of a few per cent; the comparisons above must see it at ten standard errors.
+    let case = slab_radiance::load()[0].clone();
+    let (mu, phi) = (case.mu[0], case.phi_deg[0]);
+    let beam = direction(case.mu0, 0.0);
+    let dir = direction(-mu, phi).map(|x| -x);
+    let look = |albedo: f64, tau: f64, g: f64, strength: f64, sky_too: f64| {
+        let world =
+            sky(sky_too) + &sun(beam.map(|x| -x), [strength; 3]) + &slab(false, tau, albedo, g);
+        let text = scene(&single_ray(back([0.0; 3], dir, 1.0), dir), [32, 32], &world);
+        moments(&stage(&text).seeded(600), "planted", 1024)
+    };
+    let (albedo, tau, g) = (case.albedo, case.tau, case.g);
+    let truth = case.reflected[0][0];
+    for (name, m) in [
+        ("albedo", look(0.95 * albedo, tau, g, 1.0, 0.0)),
+        ("phase", look(albedo, tau, g + 0.05, 1.0, 0.0)),
+        ("sun", look(albedo, tau, g, 1.05, 0.0)),
+        ("sky", look(albedo, tau, g, 1.0, 0.05 * truth)),
+    ] {
+        let verdict = woodcock_tests::stats::judge(&m, truth, 0.01);
+        woodcock_tests::stats::must_kill(name, verdict);
+    }
+}
