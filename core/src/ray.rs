@@ -6,7 +6,7 @@ use crate::vec3::Vec3;
 /// A half-line per lane.
 #[derive(Clone, Copy, Debug)]
 pub struct Ray<R> {
-    /// Where it begins [length].
+    /// Where it begins \[length\].
     pub origin: Vec3<R>,
     /// Unit direction, so that `t` is a length.
     pub direction: Vec3<R>,
@@ -31,9 +31,9 @@ impl<R: Real> Ray<R> {
 /// A part [`t0`, `t1`] of a ray; empty where `t1 ≤ t0`.
 #[derive(Clone, Copy, Debug)]
 pub struct Interval<R> {
-    /// Where it begins [length].
+    /// Where it begins \[length\].
     pub t0: R,
-    /// Where it ends [length].
+    /// Where it ends \[length\].
     pub t1: R,
 }
 

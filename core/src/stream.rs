@@ -186,6 +186,9 @@ impl<R: Real<Mask = bool, Word = Word32>> KeyedStream<R> for PathStream {
 mod tests {
     use super::*;
 
+    /// 2⁻³².
+    const GRAIN: f32 = 1.0 / 4_294_967_296.0;
+
     /// A stream that gives the words it is told to, to look at both ends of a law.
     struct Words<'a>(&'a [u32]);
     impl Stream<f32> for Words<'_> {
@@ -202,11 +205,11 @@ mod tests {
     #[test]
     fn exponential_is_right_at_both_ends() {
         // The smallest words keep their digits …
-        assert_eq!(exponential(&[1]), 2.0_f32.powi(-32));
-        assert_eq!(exponential(&[3]), 3.0 * 2.0_f32.powi(-32));
+        assert_eq!(exponential(&[1]), GRAIN);
+        assert_eq!(exponential(&[3]), 3.0 * GRAIN);
         // … zero goes on below them, twice if need be …
-        assert_eq!(exponential(&[0, 1 << 31]), 2.0_f32.powi(-33));
-        assert_eq!(exponential(&[0, 0, 1 << 31]), 2.0_f32.powi(-65));
+        assert_eq!(exponential(&[0, 1 << 31]), GRAIN / 2.0);
+        assert_eq!(exponential(&[0, 0, 1 << 31]), GRAIN * GRAIN / 2.0);
         // … and the top has no end.
         let longest = exponential(&[0xffff_feff]);
         assert!((15.9..16.7).contains(&longest), "{longest}");
@@ -220,10 +223,7 @@ mod tests {
     fn uniform_stays_below_one() {
         assert!(Stream::<f32>::uniform(&mut Words(&[u32::MAX]), true) < 1.0);
         assert!(Stream::<f32>::uniform_fine(&mut Words(&[u32::MAX]), true) < 1.0);
-        assert_eq!(
-            Stream::<f32>::uniform_fine(&mut Words(&[1]), true),
-            2.0_f32.powi(-32)
-        );
+        assert_eq!(Stream::<f32>::uniform_fine(&mut Words(&[1]), true), GRAIN);
     }
 
     #[test]

@@ -65,8 +65,8 @@ fn fill(grid: &mut UniformGrid) {
 
 /// Density at a place of the cloud's box.
 fn cloud(p: [f32; 3]) -> f32 {
-    let warp = [0.0, 17.0, 31.0].map(|shift| octaves(p.map(|c| c * 5.0 + shift), 3) - 0.5);
-    let q = [0, 1, 2].map(|i| p[i] + 0.09 * warp[i]);
+    let warp = [0.0, 17.0, 31.0].map(|shift| octaves(p.map(|c| c * 6.0 + shift), 3) - 0.5);
+    let q = [0, 1, 2].map(|i| p[i] + 0.12 * warp[i]);
     let mut inside = 0.0_f32;
     for (centre, radius) in PUFFS {
         let d = [0, 1, 2].map(|i| q[i] - centre[i]);
@@ -74,10 +74,13 @@ fn cloud(p: [f32; 3]) -> f32 {
         // Soft union: a sum of bumps that saturates.
         inside += (1.0 - distance / (radius * 1.35)).max(0.0);
     }
-    let erosion = octaves(p.map(|c| c * 14.0 + 5.0), 5);
+    if inside == 0.0 {
+        return 0.0; // and spare the noise
+    }
+    let erosion = octaves(p.map(|c| c * 13.0 + 5.0), 5);
     let base = smooth(((q[1] - 0.055) * 16.0).clamp(0.0, 1.0));
-    let shape = inside.min(1.0) * base - 0.42 * erosion + 0.06;
-    smooth((shape * 3.6).clamp(0.0, 1.0))
+    let shape = inside.min(1.0) * base - 1.25 * (erosion - 0.36).max(0.0) - 0.03;
+    smooth((shape * 7.0).clamp(0.0, 1.0))
 }
 
 fn smooth(t: f32) -> f32 {

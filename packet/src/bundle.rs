@@ -6,9 +6,9 @@
 
 use alloc::vec::Vec;
 use core::array;
-use core::marker::PhantomData;
 
 use woodcock_core::free_flight::{analytic, delta::Delta};
+use woodcock_core::majorant::Process;
 use woodcock_core::medium::{Homogeneous, Medium};
 use woodcock_core::ray::Ray;
 use woodcock_core::real::{Mask, Real, Word};
@@ -22,11 +22,11 @@ use crate::lanes::{LANES, LaneMask, LaneWords, Lanes};
 /// A ray of a bundle.
 #[derive(Clone, Copy, Debug)]
 pub struct BundleRay {
-    /// Where it begins [length].
+    /// Where it begins \[length\].
     pub origin: [f32; 3],
     /// Unit direction.
     pub direction: [f32; 3],
-    /// How far to look [length].
+    /// How far to look \[length\].
     pub t_max: f32,
     /// Its random numbers, from their beginning.
     pub key: Key,
@@ -127,22 +127,13 @@ pub enum Schedule {
     LockStep,
 }
 
-/// What eight rays are put through.
-trait Process {
-    fn begin(&mut self, ray: &Ray<Lanes>, t_max: Lanes, rng: &mut LaneStream, lanes: LaneMask);
-    fn tracking(&self) -> LaneMask;
-    fn tentative(&self) -> LaneMask;
-    fn advance(&mut self);
-    fn collide(&mut self, rng: &mut LaneStream);
-    fn result(&self) -> Lanes;
-}
-
 /// Tentative collisions are decided when this many lanes are at one; moving on is cheaper.
 const COLLIDE_AT: u32 = 5;
 
 /// Runs a process over a bundle; results land at their rays' places.
 #[inline(always)]
-fn run<P: Process>(
+fn run<M: Medium<Lanes>, P: Process<Lanes, M>>(
+    medium: &M,
     process: &mut P,
     bundle: &Bundle,
     schedule: Schedule,
@@ -153,8 +144,11 @@ fn run<P: Process>(
     let mut owners = LaneWords::default();
     let mut next = 0_usize;
     let mut held = 0_u32;
+    if M::TIGHT && M::ONE_SEGMENT {
+        return run_in_groups(medium, process, bundle, results);
+    }
     loop {
-        let running = (process.tracking() | process.tentative()).bits();
+        let running = (process.stages().tracking() | process.stages().tentative()).bits();
         let idle = !running & 0xff;
         let refill = match schedule {
             Schedule::Refill => idle != 0,
@@ -177,7 +171,7 @@ fn run<P: Process>(
                     |i: usize| LaneWords::new(eight(&bundle.states[i], next)).permuted(order);
                 rng.set_states(half(0), half(1), mask);
                 owners = LaneWords::select(mask, LaneWords::places(next, order), owners);
-                process.begin(&ray, column(6), &mut rng, mask);
+                process.begin(medium, &ray, column(6), &mut rng, mask);
                 held |= begun;
                 next += begun.count_ones() as usize;
             } else if held == 0 {
@@ -185,28 +179,81 @@ fn run<P: Process>(
             }
         }
         loop {
-            let tracking = process.tracking();
-            let tentative = process.tentative();
+            let tracking = process.stages().tracking();
+            let tentative = process.stages().tentative();
             if !tracking.any() || tentative.count() >= COLLIDE_AT {
                 break;
             }
             usage.steps += 1;
             usage.busy_lanes += u64::from((tracking | tentative).count());
-            process.advance();
-            let busy = (process.tracking() | process.tentative()).count();
-            // Where rays wait, a lane or two that have left are worth more than a fuller decision.
-            if schedule == Schedule::Refill && next < bundle.len() && busy + 1 < LANES as u32 {
+            process.stages().advance(medium);
+            let busy = (process.stages().tracking() | process.stages().tentative()).count();
+            // Where rays wait, a lane that has left is worth more than a fuller decision.
+            if schedule == Schedule::Refill && next < bundle.len() && busy < LANES as u32 {
                 break;
             }
         }
-        let tentative = process.tentative();
+        let tentative = process.stages().tentative();
         let deciding = tentative.count();
-        if deciding >= COLLIDE_AT || (deciding > 0 && !process.tracking().any()) {
+        if deciding >= COLLIDE_AT || (deciding > 0 && !process.stages().tracking().any()) {
             usage.steps += 1;
-            usage.busy_lanes += u64::from((process.tracking() | tentative).count());
+            usage.busy_lanes += u64::from((process.stages().tracking() | tentative).count());
             usage.tentative_collisions += u64::from(deciding);
-            process.collide(&mut rng);
+            process.collide(medium, &mut rng);
         }
+    }
+}
+
+/// Runs a process in one segment of a tight bound, where every ray ends with its first step: eight rays after eight.
+#[inline(always)]
+fn run_in_groups<M: Medium<Lanes>, P: Process<Lanes, M>>(
+    medium: &M,
+    process: &mut P,
+    bundle: &Bundle,
+    results: &mut [f32],
+) -> Usage {
+    let mut usage = Usage::default();
+    let mut group = |first: usize, rays: usize| {
+        let column = |i: usize| Lanes::new(eight(&bundle.numbers[i], first));
+        let half = |i: usize| LaneWords::new(eight(&bundle.states[i], first));
+        // Every lane begins, the ones beyond the bundle too: their results go nowhere.
+        let all = LaneMask::splat(true);
+        let mut rng = LaneStream::default();
+        rng.set_states(half(0), half(1), all);
+        let ray = Ray {
+            origin: Vec3::new(column(0), column(1), column(2)),
+            direction: Vec3::new(column(3), column(4), column(5)),
+        };
+        process.begin(medium, &ray, column(6), &mut rng, all);
+        process.stages().advance(medium);
+        let counted = LaneMask::from_bits((1 << rays) - 1);
+        usage.steps += 1;
+        usage.busy_lanes += rays as u64;
+        usage.tentative_collisions += u64::from((process.stages().tentative() & counted).count());
+        process.collide(medium, &mut rng);
+        process.result().to_array()
+    };
+    in_groups(bundle, results, &mut group);
+    usage
+}
+
+/// Calls `group(first, rays)` for eight rays after eight, and writes what it gives.
+#[inline(always)]
+fn in_groups(
+    bundle: &Bundle,
+    results: &mut [f32],
+    mut group: impl FnMut(usize, usize) -> [f32; LANES],
+) {
+    let count = bundle.len().min(results.len());
+    let (whole, rest) = results[..count].as_chunks_mut::<LANES>();
+    let mut first = 0;
+    for out in whole {
+        *out = group(first, LANES);
+        first += LANES;
+    }
+    if !rest.is_empty() {
+        let last = group(first, rest.len());
+        rest.copy_from_slice(&last[..rest.len()]);
     }
 }
 
@@ -262,39 +309,6 @@ fn land(result: Lanes, lanes: u32, owners: LaneWords, results: &mut [f32]) {
     }
 }
 
-struct Flights<'a, M: Medium<Lanes>> {
-    medium: &'a M,
-    state: Delta<Lanes, M::Walk>,
-}
-
-impl<M: Medium<Lanes>> Process for Flights<'_, M> {
-    #[inline(always)]
-    fn begin(&mut self, ray: &Ray<Lanes>, t_max: Lanes, rng: &mut LaneStream, lanes: LaneMask) {
-        self.state.begin(self.medium, ray, t_max, rng, lanes);
-    }
-    #[inline(always)]
-    fn tracking(&self) -> LaneMask {
-        self.state.tracking()
-    }
-    #[inline(always)]
-    fn tentative(&self) -> LaneMask {
-        self.state.tentative()
-    }
-    #[inline(always)]
-    fn advance(&mut self) {
-        self.state.advance(self.medium);
-    }
-    #[inline(always)]
-    fn collide(&mut self, rng: &mut LaneStream) {
-        self.state.collide(self.medium, rng);
-    }
-    #[inline(always)]
-    fn result(&self) -> Lanes {
-        let flight = self.state.flight();
-        Lanes::select(flight.collided, flight.t, Lanes::splat(f32::INFINITY))
-    }
-}
-
 /// One free flight by delta tracking for each ray of a bundle.
 ///
 /// * `flights`: the distance to each ray's collision, infinite if it flew beyond its length. As long as
@@ -307,11 +321,7 @@ pub fn free_flights<M: Medium<Lanes>>(
     schedule: Schedule,
     flights: &mut [f32],
 ) -> Usage {
-    let mut process = Flights {
-        medium,
-        state: Delta::idle(medium),
-    };
-    run(&mut process, bundle, schedule, flights)
+    run(medium, &mut Delta::idle(medium), bundle, schedule, flights)
 }
 
 /// One free flight in closed form for each ray of a bundle, in a homogeneous medium.
@@ -320,64 +330,20 @@ pub fn free_flights<M: Medium<Lanes>>(
 ///
 /// The result of a ray is that of [`woodcock_core::free_flight::analytic::sample`] with its key.
 pub fn analytic_flights(medium: &Homogeneous, bundle: &Bundle, flights: &mut [f32]) -> Usage {
-    let group = |first: usize| {
+    let mut usage = Usage::default();
+    in_groups(bundle, flights, |first, rays| {
         let half = |i: usize| LaneWords::new(eight(&bundle.states[i], first));
-        // Every lane draws, the ones beyond the bundle too: their results go nowhere.
         let all = LaneMask::splat(true);
         let mut rng = LaneStream::default();
         rng.set_states(half(0), half(1), all);
         let t_max = Lanes::new(eight(&bundle.numbers[6], first));
         let flight = analytic::sample(medium, t_max, &mut rng, all);
+        usage.steps += 1;
+        usage.busy_lanes += rays as u64;
+        usage.tentative_collisions += rays as u64;
         Lanes::select(flight.collided, flight.t, Lanes::splat(f32::INFINITY)).to_array()
-    };
-    let count = bundle.len().min(flights.len());
-    let (whole, rest) = flights[..count].as_chunks_mut::<LANES>();
-    let mut first = 0;
-    for out in whole {
-        *out = group(first);
-        first += LANES;
-    }
-    for (place, t) in rest.iter_mut().zip(group(first)) {
-        *place = t;
-    }
-    Usage {
-        steps: count.div_ceil(LANES) as u64,
-        busy_lanes: count as u64,
-        tentative_collisions: count as u64,
-    }
-}
-
-struct Weights<'a, M: Medium<Lanes>, U> {
-    medium: &'a M,
-    state: Estimate<Lanes, M::Walk>,
-    rule: PhantomData<U>,
-}
-
-impl<M: Medium<Lanes>, U: Rule> Process for Weights<'_, M, U> {
-    #[inline(always)]
-    fn begin(&mut self, ray: &Ray<Lanes>, t_max: Lanes, rng: &mut LaneStream, lanes: LaneMask) {
-        self.state.begin(self.medium, ray, t_max, rng, lanes);
-    }
-    #[inline(always)]
-    fn tracking(&self) -> LaneMask {
-        self.state.tracking()
-    }
-    #[inline(always)]
-    fn tentative(&self) -> LaneMask {
-        self.state.tentative()
-    }
-    #[inline(always)]
-    fn advance(&mut self) {
-        self.state.advance(self.medium);
-    }
-    #[inline(always)]
-    fn collide(&mut self, rng: &mut LaneStream) {
-        self.state.collide::<M, U>(self.medium, rng);
-    }
-    #[inline(always)]
-    fn result(&self) -> Lanes {
-        self.state.weight()
-    }
+    });
+    usage
 }
 
 /// One estimate of transmittance under the rule `U` for each ray of a bundle.
@@ -389,10 +355,6 @@ pub fn transmittances<U: Rule, M: Medium<Lanes>>(
     schedule: Schedule,
     weights: &mut [f32],
 ) -> Usage {
-    let mut process = Weights::<M, U> {
-        medium,
-        state: Estimate::idle(medium),
-        rule: PhantomData,
-    };
-    run(&mut process, bundle, schedule, weights)
+    let mut process = Estimate::<Lanes, M::Walk, U>::idle(medium);
+    run(medium, &mut process, bundle, schedule, weights)
 }

@@ -13,7 +13,7 @@ use crate::stream::Stream;
 
 /// Samples one flight on `[0, t_max)`, per active lane.
 ///
-/// * `t_max`: per lane [length].
+/// * `t_max`: per lane \[length\].
 ///
 /// Inactive lanes get t = `t_max` and no collision. In vacuum every flight leaves.
 #[inline(always)]

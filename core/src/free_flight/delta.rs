@@ -10,7 +10,7 @@
 //! Sources: [Woodcock 1965], [Raab 2006] Algorithm 1.
 
 use crate::free_flight::Flight;
-use crate::majorant::Tracker;
+use crate::majorant::{Process, Stages};
 use crate::medium::Medium;
 use crate::ray::Ray;
 use crate::real::{Mask, Real};
@@ -33,15 +33,10 @@ pub fn is_real<R: Real, M: Medium<R>>(
     }
 }
 
-/// Flights under way, one per lane.
-///
-/// A running flight is either *tracking* towards its next tentative collision, or *at* one. The two
-/// steps serve one kind each, in whatever order the caller likes.
+/// Flights under way, one per lane. As a result: the distance to the collision, infinite without one.
 #[derive(Clone, Debug)]
 pub struct Delta<R: Real, W> {
-    tracker: Tracker<R, W>,
-    tracking: R::Mask,
-    tentative: R::Mask,
+    stages: Stages<R, W>,
     collided: R::Mask,
 }
 
@@ -49,64 +44,9 @@ impl<R: Real, W: Clone> Delta<R, W> {
     /// No flight yet in any lane.
     #[inline(always)]
     pub fn idle<M: Medium<R, Walk = W>>(medium: &M) -> Self {
-        let none = R::Mask::splat(false);
         Self {
-            tracker: Tracker::idle(medium.idle()),
-            tracking: none,
-            tentative: none,
-            collided: none,
-        }
-    }
-
-    /// Begins flights on `[0, t_max)` of the rays of the active lanes.
-    #[inline(always)]
-    pub fn begin<M: Medium<R, Walk = W>>(
-        &mut self,
-        medium: &M,
-        ray: &Ray<R>,
-        t_max: R,
-        rng: &mut impl Stream<R>,
-        active: R::Mask,
-    ) {
-        medium.begin(&mut self.tracker.walk, ray, active);
-        self.tracker.begin(t_max, rng, active);
-        self.tracking = self.tracking | active;
-        self.collided = self.collided.and_not(active);
-    }
-
-    /// Lanes on their way to a tentative collision.
-    #[inline(always)]
-    pub fn tracking(&self) -> R::Mask {
-        self.tracking
-    }
-
-    /// Lanes at a tentative collision.
-    #[inline(always)]
-    pub fn tentative(&self) -> R::Mask {
-        self.tentative
-    }
-
-    /// Moves every tracking lane to its next tentative collision, its next segment, or out.
-    #[inline(always)]
-    pub fn advance<M: Medium<R, Walk = W>>(&mut self, medium: &M) {
-        let advance = self.tracker.advance(medium, self.tracking);
-        self.tracking = self.tracking.and_not(advance.left | advance.tentative);
-        self.tentative = self.tentative | advance.tentative;
-    }
-
-    /// Decides the tentative collisions.
-    #[inline(always)]
-    pub fn collide<M: Medium<R, Walk = W>>(&mut self, medium: &M, rng: &mut impl Stream<R>) {
-        let lanes = self.tentative;
-        let majorant = self.tracker.majorant(medium);
-        let sigma_t = medium.sigma_t(&self.tracker.walk, self.tracker.t(), rng, lanes);
-        let real = is_real::<R, M>(sigma_t, majorant, rng, lanes);
-        let null = lanes.and_not(real);
-        self.collided = self.collided | real;
-        self.tracking = self.tracking | null;
-        self.tentative = R::Mask::splat(false);
-        if !M::TIGHT {
-            self.tracker.redraw(rng, null);
+            stages: Stages::idle(medium),
+            collided: R::Mask::splat(false),
         }
     }
 
@@ -114,16 +54,48 @@ impl<R: Real, W: Clone> Delta<R, W> {
     #[inline(always)]
     pub fn flight(&self) -> Flight<R> {
         Flight {
-            t: self.tracker.t(),
+            t: self.stages.tracker.t(),
             collided: self.collided,
         }
+    }
+}
+
+impl<R: Real, M: Medium<R>> Process<R, M> for Delta<R, M::Walk> {
+    #[inline(always)]
+    fn stages(&mut self) -> &mut Stages<R, M::Walk> {
+        &mut self.stages
+    }
+    #[inline(always)]
+    fn begin(
+        &mut self,
+        medium: &M,
+        ray: &Ray<R>,
+        t_max: R,
+        rng: &mut impl Stream<R>,
+        active: R::Mask,
+    ) {
+        self.stages.begin(medium, ray, t_max, rng, active);
+        self.collided = self.collided.and_not(active);
+    }
+    #[inline(always)]
+    fn collide(&mut self, medium: &M, rng: &mut impl Stream<R>) {
+        let lanes = self.stages.tentative();
+        let (sigma_t, majorant) = self.stages.sigma_t(medium, rng);
+        let real = is_real::<R, M>(sigma_t, majorant, rng, lanes);
+        self.collided = self.collided | real;
+        self.stages.resolve::<M>(rng, lanes.and_not(real));
+    }
+    #[inline(always)]
+    fn result(&self) -> R {
+        let Flight { t, collided } = self.flight();
+        R::select(collided, t, R::splat(f32::INFINITY))
     }
 }
 
 /// Samples one flight on `[0, t_max)` of each active lane's ray.
 ///
 /// * `ray`: per lane, world space; its part `[0, t_max)` must lie in the medium's domain.
-/// * `t_max`: per lane [length].
+/// * `t_max`: per lane \[length\].
 ///
 /// Draws an exponential and the medium's own draws per tentative collision, and one uniform number
 /// to decide it.
@@ -136,14 +108,7 @@ pub fn sample<R: Real, M: Medium<R>>(
     active: R::Mask,
 ) -> Flight<R> {
     let mut state = Delta::idle(medium);
-    state.begin(medium, ray, t_max, rng, active);
-    loop {
-        while state.tracking().any() {
-            state.advance(medium);
-        }
-        if !state.tentative().any() {
-            return state.flight();
-        }
-        state.collide(medium, rng);
-    }
+    Process::<R, M>::begin(&mut state, medium, ray, t_max, rng, active);
+    state.run(medium, rng);
+    state.flight()
 }

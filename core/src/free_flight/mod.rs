@@ -21,7 +21,7 @@ use crate::real::Real;
 /// A sampled flight, per lane.
 #[derive(Clone, Copy, Debug)]
 pub struct Flight<R: Real> {
-    /// Where it ended [length]: the collision, or `t_max`.
+    /// Where it ended \[length\]: the collision, or `t_max`.
     pub t: R,
     /// Whether it ended in a real collision.
     pub collided: R::Mask,

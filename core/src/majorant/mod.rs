@@ -6,10 +6,12 @@
 
 mod dda;
 mod grid;
+mod stages;
 mod tracker;
 
 pub use dda::{GridLayout, GridWalk};
 pub use grid::{BLOCK, MajorantError, MajorantGrid, fill_majorants, majorant_count};
+pub use stages::{Process, Stages};
 pub use tracker::{Advance, Tracker};
 
 /// A piece of a ray on which one bound holds.

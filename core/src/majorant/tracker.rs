@@ -43,7 +43,7 @@ impl<R: Real, W> Tracker<R, W> {
         }
     }
 
-    /// Distance along the ray [length].
+    /// Distance along the ray \[length\].
     #[inline(always)]
     pub fn t(&self) -> R {
         self.segment_start + self.within

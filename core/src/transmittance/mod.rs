@@ -9,7 +9,9 @@ pub mod analytic;
 pub mod delta;
 pub mod ratio;
 
-use crate::majorant::Tracker;
+use core::marker::PhantomData;
+
+use crate::majorant::{Process, Stages};
 use crate::medium::Medium;
 use crate::ray::Ray;
 use crate::real::{Mask, Real};
@@ -40,31 +42,33 @@ pub trait Rule {
     ) -> R;
 }
 
-/// Estimates under way, one per lane; see [`crate::free_flight::delta::Delta`] for the two steps.
+/// Estimates under a rule, one per lane. As a result: the weights.
 #[derive(Clone, Debug)]
-pub struct Estimate<R: Real, W> {
-    tracker: Tracker<R, W>,
-    tracking: R::Mask,
-    tentative: R::Mask,
+pub struct Estimate<R: Real, W, U> {
+    stages: Stages<R, W>,
     weight: R,
+    rule: PhantomData<U>,
 }
 
-impl<R: Real, W: Clone> Estimate<R, W> {
+impl<R: Real, W: Clone, U: Rule> Estimate<R, W, U> {
     /// No estimate yet in any lane.
     #[inline(always)]
     pub fn idle<M: Medium<R, Walk = W>>(medium: &M) -> Self {
-        let none = R::Mask::splat(false);
         Self {
-            tracker: Tracker::idle(medium.idle()),
-            tracking: none,
-            tentative: none,
+            stages: Stages::idle(medium),
             weight: R::zero(),
+            rule: PhantomData,
         }
     }
+}
 
-    /// Begins estimates over `[0, t_max)` of the rays of the active lanes.
+impl<R: Real, M: Medium<R>, U: Rule> Process<R, M> for Estimate<R, M::Walk, U> {
     #[inline(always)]
-    pub fn begin<M: Medium<R, Walk = W>>(
+    fn stages(&mut self) -> &mut Stages<R, M::Walk> {
+        &mut self.stages
+    }
+    #[inline(always)]
+    fn begin(
         &mut self,
         medium: &M,
         ray: &Ray<R>,
@@ -72,52 +76,20 @@ impl<R: Real, W: Clone> Estimate<R, W> {
         rng: &mut impl Stream<R>,
         active: R::Mask,
     ) {
-        medium.begin(&mut self.tracker.walk, ray, active);
-        self.tracker.begin(t_max, rng, active);
+        self.stages.begin(medium, ray, t_max, rng, active);
         self.weight = R::select(active, R::one(), self.weight);
-        self.tracking = self.tracking | active;
     }
-
-    /// Lanes on their way to a tentative collision.
     #[inline(always)]
-    pub fn tracking(&self) -> R::Mask {
-        self.tracking
-    }
-
-    /// Lanes at a tentative collision.
-    #[inline(always)]
-    pub fn tentative(&self) -> R::Mask {
-        self.tentative
-    }
-
-    /// Moves every tracking lane to its next tentative collision, its next segment, or out.
-    #[inline(always)]
-    pub fn advance<M: Medium<R, Walk = W>>(&mut self, medium: &M) {
-        let advance = self.tracker.advance(medium, self.tracking);
-        self.tracking = self.tracking.and_not(advance.left | advance.tentative);
-        self.tentative = self.tentative | advance.tentative;
-    }
-
-    /// Applies the rule to the tentative collisions; a weight of zero completes its estimate.
-    #[inline(always)]
-    pub fn collide<M: Medium<R, Walk = W>, U: Rule>(
-        &mut self,
-        medium: &M,
-        rng: &mut impl Stream<R>,
-    ) {
-        let lanes = self.tentative;
-        let majorant = self.tracker.majorant(medium);
-        let sigma_t = medium.sigma_t(&self.tracker.walk, self.tracker.t(), rng, lanes);
+    fn collide(&mut self, medium: &M, rng: &mut impl Stream<R>) {
+        let lanes = self.stages.tentative();
+        let (sigma_t, majorant) = self.stages.sigma_t(medium, rng);
         self.weight = U::collide::<R, M>(self.weight, sigma_t, majorant, rng, lanes);
+        // A weight of zero completes its estimate.
         let onward = lanes.and_not(self.weight.eq(R::zero()));
-        self.tracking = self.tracking | onward;
-        self.tentative = R::Mask::splat(false);
-        self.tracker.redraw(rng, onward);
+        self.stages.resolve::<M>(rng, onward);
     }
-
-    /// The weights so far: complete estimates where a lane is neither tracking nor tentative.
     #[inline(always)]
-    pub fn weight(&self) -> R {
+    fn result(&self) -> R {
         self.weight
     }
 }
@@ -131,15 +103,8 @@ fn estimate<R: Real, M: Medium<R>, U: Rule>(
     rng: &mut impl Stream<R>,
     active: R::Mask,
 ) -> R {
-    let mut state = Estimate::idle(medium);
-    state.begin(medium, ray, t_max, rng, active);
-    loop {
-        while state.tracking().any() {
-            state.advance(medium);
-        }
-        if !state.tentative().any() {
-            return state.weight();
-        }
-        state.collide::<M, U>(medium, rng);
-    }
+    let mut state = Estimate::<R, M::Walk, U>::idle(medium);
+    Process::<R, M>::begin(&mut state, medium, ray, t_max, rng, active);
+    state.run(medium, rng);
+    Process::<R, M>::result(&state)
 }

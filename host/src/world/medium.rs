@@ -133,7 +133,7 @@ pub(super) fn assemble(
         }
     };
     let samples = samples.map_err(|why| SceneError::at(&medium.place, why))?;
-    let Some(samples) = samples else {
+    let Some(samples) = samples.and_then(trimmed) else {
         return Ok(None);
     };
     let placed = place(medium, &samples, origin)
@@ -145,6 +145,49 @@ pub(super) fn assemble(
         record,
         support: Some(placed.1),
     }))
+}
+
+/// The samples without the empty margins that files carry around what can be seen, but with the rim that
+/// interpolation fades out in. `None` where every sample is zero.
+fn trimmed(samples: Samples) -> Option<Samples> {
+    let [nx, ny, nz] = samples.dims.map(|d| d as usize);
+    let (mut low, mut high) = ([usize::MAX; 3], [0; 3]);
+    for (row, values) in samples.values.chunks_exact(nx).enumerate() {
+        // Not `!= 0`: a NaN must stay, to be reported.
+        let first = values.iter().position(|v| !(*v == 0.0));
+        let last = values.iter().rposition(|v| !(*v == 0.0));
+        if let Some((first, last)) = first.zip(last) {
+            for (axis, (from, to)) in [(first, last), (row % ny, row % ny), (row / ny, row / ny)]
+                .into_iter()
+                .enumerate()
+            {
+                low[axis] = low[axis].min(from);
+                high[axis] = high[axis].max(to);
+            }
+        }
+    }
+    if low[0] == usize::MAX {
+        return None;
+    }
+    let low = low.map(|i| i.saturating_sub(1));
+    let high: [usize; 3] = std::array::from_fn(|i| (high[i] + 1).min([nx, ny, nz][i] - 1));
+    let size: [usize; 3] = std::array::from_fn(|i| high[i] - low[i] + 1);
+    let mut values = Vec::with_capacity(size.iter().product());
+    for z in low[2]..=high[2] {
+        for y in low[1]..=high[1] {
+            let row = (z * ny + y) * nx;
+            values.extend_from_slice(samples.values.get(row + low[0]..=row + high[0])?);
+        }
+    }
+    let corner = DVec3::from_array(low.map(|i| i as f64));
+    let extent = DVec3::from_array(size.map(|n| (n - 1) as f64));
+    Some(Samples {
+        values,
+        dims: size.map(|n| n as u32),
+        to_medium: samples.to_medium * DAffine3::from_translation(corner),
+        low: (samples.low - corner).max(DVec3::ZERO),
+        high: (samples.high - corner).min(extent),
+    })
 }
 
 /// The map from the rendered world to grid space, and the box.
