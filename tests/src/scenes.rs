@@ -296,7 +296,7 @@ impl Studio {
     /// Renders `n` samples per pixel, times the environment's factor.
     pub fn shoot(&self, n: u32) -> Picture {
         let n = crate::stats::samples(n as usize) as u32;
-        self.shoot_passes(&[0..n])
+        self.shoot_range(0..n)
     }
 
     /// The same with other random numbers.
@@ -304,6 +304,11 @@ impl Studio {
     pub fn seeded(mut self, base: u64) -> Self {
         self.plan.seed = crate::stats::seed(base);
         self
+    }
+
+    /// Renders the samples with these indices, in one pass.
+    pub fn shoot_range(&self, samples: Range<u32>) -> Picture {
+        self.shoot_passes(std::slice::from_ref(&samples))
     }
 
     /// Renders these samples, pass by pass.

@@ -81,12 +81,12 @@ fn media_that_cannot_be_seen_cost_nothing() {
     // Neither absorbing nor scattering, and a grid of nothing.
     let nothing = homogeneous("n", &grey(0.0, 0.0, 0.0)) + &ball("n", "", [0.0; 3], 1.0);
     stage(&view(&nothing))
-        .shoot_passes(&[0..2])
+        .shoot_range(0..2)
         .assert_constant("nothing", 1.0, 0.0);
     let zero =
         uniform_grid("z", [3; 3], UNIT, |_| 0.0, &grey(1.0, 0.5, 0.0)) + &block("z", "", UNIT);
     stage(&view(&zero))
-        .shoot_passes(&[0..2])
+        .shoot_range(0..2)
         .assert_sound("zero")
         .assert_constant("zero", 1.0, 0.0);
     // A damaged file of an unused medium is nobody's business.
@@ -94,7 +94,7 @@ fn media_that_cannot_be_seen_cost_nothing() {
     stage_with(&view(&unused), volume("bad_values.vdb"), &[]);
     let empty = openvdb("m", "empty_grid.vdb", &grey(1.0, 0.5, 0.0)) + &block("m", "", UNIT);
     stage_with(&view(&empty), volume("empty_grid.vdb"), &[])
-        .shoot_passes(&[0..2])
+        .shoot_range(0..2)
         .assert_constant("empty", 1.0, 0.0);
 }
 
@@ -103,18 +103,18 @@ fn no_light_is_black_and_no_medium_is_sky() {
     let fog = homogeneous("m", &grey(1.0, 0.9, 0.0)) + &ball("m", "", [0.0; 3], 1.0);
     let camera = perspective([0.0, 0.0, -3.0], [0.0, 0.0, 1.0], 40.0);
     stage(&scene(&camera, [9, 9], &fog))
-        .shoot_passes(&[0..3])
+        .shoot_range(0..3)
         .assert_constant("dark", 0.0, 0.0);
     stage(&scene(&camera, [9, 9], &sky(0.75)))
-        .shoot_passes(&[0..3])
+        .shoot_range(0..3)
         .assert_constant("sky", 0.75, 0.0);
     stage(&scene(&camera, [9, 9], ""))
-        .shoot_passes(&[0..3])
+        .shoot_range(0..3)
         .assert_constant("void", 0.0, 0.0);
     // A sun without matter lights nothing.
     let world = sun([0.0, 1.0, 0.0], [5.0; 3]);
     stage(&scene(&camera, [9, 9], &world))
-        .shoot_passes(&[0..3])
+        .shoot_range(0..3)
         .assert_constant("void", 0.0, 0.0);
 }
 
@@ -146,7 +146,7 @@ fn boxes_leave_no_outline() {
             [72, 72],
             &(sky(1.0) + &grid + &block("m", "", UNIT)),
         );
-        let picture = stage_keeping(&text, keep).shoot_passes(&[0..8]);
+        let picture = stage_keeping(&text, keep).shoot_range(0..8);
         picture.assert_sound("voxel");
         // Two cells of 2/9 in width are seen by 72 pixels over 2.25: 14.2.
         let (mut clear, mut dim) = (0, 0);
@@ -207,7 +207,7 @@ fn the_cameras_fog_fills_what_is_left() {
     let studio = stage(&format!("{fog}{}", scene(&camera, [8, 8], &world)));
     assert_eq!(studio.world.media.len(), 2);
     studio
-        .shoot_passes(&[0..4])
+        .shoot_range(0..4)
         .assert_sound("fog")
         .assert_constant("fog", 0.0, 0.0);
     assert!(studio.world.warnings.is_empty());
@@ -222,7 +222,7 @@ fn fog_without_bounds_scatters_a_sun() {
     let world = sun([0.0, 1.0, 0.0], [1.0; 3]) + &sky(1.0);
     let studio = stage(&format!("{fog}{}", scene(&camera, [8, 8], &world)));
     studio
-        .shoot_passes(&[0..4])
+        .shoot_range(0..4)
         .assert_sound("fog")
         .assert_constant("fog", 0.0, 0.0);
     assert!(!studio.world.is_endless());
@@ -250,7 +250,7 @@ fn open_surfaces_are_warned_about() {
         "{}",
         warning.message()
     );
-    studio.shoot_passes(&[0..2]).assert_sound("sheet");
+    studio.shoot_range(0..2).assert_sound("sheet");
 }
 
 #[test]

@@ -92,9 +92,9 @@ fn studio(case: &Case, size: [u32; 2]) -> Studio {
 fn eight_lanes_and_one_give_the_same_bits() {
     for case in cases() {
         let mut studio = studio(&case, [33, 17]);
-        let packet = studio.shoot_passes(&[0..3]);
+        let packet = studio.shoot_range(0..3);
         studio.plan.kernel = Kernel::Scalar;
-        let scalar = studio.shoot_passes(&[0..3]);
+        let scalar = studio.shoot_range(0..3);
         packet.assert_sound(case.name);
         assert!(packet.film == scalar.film, "{}", case.name);
         let work = |p: &Picture| {
@@ -124,9 +124,10 @@ fn threads_and_passes_do_not_matter() {
         let shoot = |threads: usize, passes: &[std::ops::Range<u32>]| -> Film {
             pool(threads).install(|| studio.shoot_passes(passes).film)
         };
-        let whole = shoot(1, &[0..8]);
+        let all = std::slice::from_ref(&(0..8));
+        let whole = shoot(1, all);
         let singles: Vec<_> = (0..8).map(|i| i..i + 1).collect();
-        assert!(whole == shoot(2, &[0..8]), "{}: two threads", case.name);
+        assert!(whole == shoot(2, all), "{}: two threads", case.name);
         assert!(whole == shoot(3, &singles), "{}: eight passes", case.name);
         let backwards = [5..8, 0..1, 1..5];
         assert!(whole == shoot(2, &backwards), "{}: other passes", case.name);
@@ -137,7 +138,7 @@ fn threads_and_passes_do_not_matter() {
 fn a_crop_is_part_of_the_whole() {
     for case in cases() {
         let text = scene(&case.camera, [50, 30], &case.world);
-        let whole = stage_keeping(&text, case.keep).shoot_passes(&[0..2]).film;
+        let whole = stage_keeping(&text, case.keep).shoot_range(0..2).film;
         let options = world::Options {
             keep: case.keep.to_vec(),
             crop: Some([0.3, 0.9, 0.5, 1.0]),
@@ -145,7 +146,7 @@ fn a_crop_is_part_of_the_whole() {
         };
         let part = try_stage(&text, MemoryFiles::new(), &options)
             .expect("a crop")
-            .shoot_passes(&[0..2])
+            .shoot_range(0..2)
             .film;
         assert_eq!(part.window().pixels(), 30 * 15);
         let window = part.window();
@@ -168,7 +169,7 @@ fn a_crop_is_part_of_the_whole() {
 fn a_replayed_path_is_the_one_in_the_picture() {
     for case in cases() {
         let studio = studio(&case, [20, 20]);
-        let film = studio.shoot_passes(&[0..1]).film;
+        let film = studio.shoot_range(0..1).film;
         for (x, y, pixel) in film.pixels().step_by(7) {
             let (path, _) = replay(&studio.world, &studio.plan, x, y, 0);
             assert_eq!(path.radiance.map(f64::from), pixel.mean(), "{}", case.name);
@@ -188,9 +189,7 @@ fn files_of_the_same_content_give_the_same_bits() {
             [24; 2],
             &world,
         );
-        stage_with(&text, volume(file), &[])
-            .shoot_passes(&[0..2])
-            .film
+        stage_with(&text, volume(file), &[]).shoot_range(0..2).film
     };
     let zip = shoot("cloud_zip.vdb");
     assert!(
@@ -210,9 +209,9 @@ fn files_of_the_same_content_give_the_same_bits() {
 fn another_seed_is_another_picture() {
     for case in cases() {
         let size = [16, 16];
-        let first = studio(&case, size).shoot_passes(&[0..2]).film;
-        let other = studio(&case, size).seeded(2).shoot_passes(&[0..2]).film;
-        let further = studio(&case, size).shoot_passes(&[2..4]).film;
+        let first = studio(&case, size).shoot_range(0..2).film;
+        let other = studio(&case, size).seeded(2).shoot_range(0..2).film;
+        let further = studio(&case, size).shoot_range(2..4).film;
         assert!(first != other && first != further, "{}", case.name);
     }
 }

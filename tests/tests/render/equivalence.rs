@@ -174,7 +174,8 @@ fn delta_and_ratio_shadows_agree() {
 #[test]
 fn colours_are_as_if_rendered_one_by_one() {
     let (absorption, scattering) = ([0.1, 0.4, 1.2], [4.0, 2.0, 0.5]);
-    let worlds: [(&str, fn(&Matter) -> String); 2] = [
+    type Made = fn(&Matter) -> String;
+    let worlds: [(&str, Made); 2] = [
         ("ball", |m| {
             homogeneous("m", m) + &ball("m", "", [0.0; 3], 1.0)
         }),

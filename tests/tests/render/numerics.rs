@@ -83,7 +83,7 @@ fn scattering_does_not_depend_on_the_unit_of_length() {
             sky(0.5) + &sun([1.0, 1.0, -1.0], [1.0; 3]) + &medium + &block("m", "", corners);
         let camera = perspective([0.0, unit, -4.0 * unit], [0.0, -0.25, 1.0], 45.0);
         stage(&scene(&camera, [16, 16], &world))
-            .shoot_passes(&[0..4])
+            .shoot_range(0..4)
             .film
     };
     for grid in [false, true] {
@@ -182,7 +182,7 @@ fn thin_and_thick_media_end() {
             let world =
                 sky(1.0) + &sun([0.0, 1.0, -1.0], [1.0; 3]) + &medium + &block("m", "", corners);
             let camera = perspective([0.0, 0.0, -4.0], [0.0, 0.0, 1.0], 30.0);
-            let picture = stage(&scene(&camera, [16, 16], &world)).shoot_passes(&[0..2]);
+            let picture = stage(&scene(&camera, [16, 16], &world)).shoot_range(0..2);
             picture.assert_sound("extreme extinction");
             for (.., pixel) in picture.film.pixels() {
                 let [r, ..] = pixel.mean();
@@ -201,7 +201,7 @@ fn extreme_phase_functions() {
         let text = scene(&camera, [16, 16], &world);
         let name = format!("g {g}");
         stage(&text)
-            .shoot_passes(&[0..4])
+            .shoot_range(0..4)
             .assert_sound(&name)
             .assert_constant(&name, 1.0, 0.0);
         if g.abs() < 0.999 {
@@ -217,7 +217,7 @@ fn white_and_thick_ends_in_bounded_time() {
     // As many collisions as the mean chord is thick, on average; the tail is long.
     let world = sky(1.0) + &homogeneous("m", &grey(1e3, 1.0, 0.0)) + &ball("m", "", [0.0; 3], 1.0);
     let camera = single_ray([0.3, 0.0, -3.0], [0.0, 0.0, 1.0]);
-    let picture = stage(&scene(&camera, [8, 8], &world)).shoot_passes(&[0..8]);
+    let picture = stage(&scene(&camera, [8, 8], &world)).shoot_range(0..8);
     picture
         .assert_sound("thick")
         .assert_constant("thick", 1.0, 0.0);
