@@ -15,6 +15,7 @@ pub mod infinite_medium;
 pub mod invariance;
 pub mod pencil_beam;
 pub mod phase_functions;
+pub mod scenes3d;
 pub mod single_scatter;
 pub mod slab_matched;
 pub mod slab_radiance;

@@ -106,7 +106,7 @@ pub struct RenderArgs {
         value_parser = values::crop,
         allow_hyphen_values = true
     )]
-    pub crop: Option<[f32; 4]>,
+    pub crop: Option<[f64; 4]>,
     /// Most scatterings of a path; without it, no limit but the scene's
     #[arg(long, value_name = "N")]
     pub max_depth: Option<u32>,
@@ -134,13 +134,13 @@ pub struct RenderArgs {
 #[derive(Args, Clone, Debug, Default, PartialEq)]
 pub struct LaterFlags {
     #[arg(long, hide = true, num_args = 1)]
-    target_error: Option<String>,
+    target_error: Option<Box<str>>,
     #[arg(long, hide = true, num_args = 1)]
-    shard: Option<String>,
+    shard: Option<Box<str>>,
     #[arg(long, hide = true)]
     resume: bool,
     #[arg(long, hide = true, num_args = 1)]
-    display_server: Option<String>,
+    display_server: Option<Box<str>>,
 }
 
 impl LaterFlags {

@@ -16,7 +16,7 @@ use crate::image::RenderMetadata;
 use crate::info::{InfoOptions, info_json, info_text};
 use crate::render::{Kernel, Plan, kernel_name, render_pass, replay as replay_path};
 use crate::report::{Statistics, cpu_time};
-use crate::scene::{self, DiskFiles, Files, Scene};
+use crate::scene::{self, DiskFiles, Files, Scene, SceneError};
 use crate::volume::Limits;
 use crate::world::{self, Feature, World};
 
@@ -108,10 +108,15 @@ fn plan(args: &RenderArgs, scene: &Scene, world: &World) -> Result<(Plan, String
         args::Kernel::Scalar => Kernel::Scalar,
     };
     let seed = args.seed.or(scene.seed).unwrap_or(0);
-    Ok((
-        Plan::new(world, kernel, seed, shadow, args.max_depth),
-        name.to_owned(),
-    ))
+    let plan = Plan::new(world, kernel, seed, shadow, args.max_depth);
+    if plan.settings.max_depth == u32::MAX && world.is_endless() {
+        let message = "a medium of albedo 1 fills all space: paths would never end";
+        let error = SceneError::of_file("the scene", message);
+        return Err(error
+            .help("give --max-depth, let the medium absorb, or bound it by a surface")
+            .into());
+    }
+    Ok((plan, name.to_owned()))
 }
 
 /// Prepares `woodcock render`.

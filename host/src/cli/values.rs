@@ -26,8 +26,8 @@ pub(super) fn resolution(text: &str) -> Result<[u32; 2], String> {
 }
 
 /// `x0,x1,y0,y1` in fractions of the picture: pbrt's order.
-pub(super) fn crop(text: &str) -> Result<[f32; 4], String> {
-    let [x0, x1, y0, y1] = numbers::<f32, 4>(text)
+pub(super) fn crop(text: &str) -> Result<[f64; 4], String> {
+    let [x0, x1, y0, y1] = numbers::<f64, 4>(text)
         .ok_or("expected x0,x1,y0,y1: fractions of the picture, as in 0.25,0.75,0,1")?;
     let inside = [x0, x1, y0, y1].iter().all(|v| (0.0..=1.0).contains(v));
     if inside && x0 < x1 && y0 < y1 {

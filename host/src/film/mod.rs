@@ -47,10 +47,11 @@ impl Window {
     /// pbrt's crop window: fractions `[x0, x1, y0, y1]` of the picture, pixel bounds rounded up.
     ///
     /// May be empty where the fractions fall between two pixel edges.
-    pub fn crop(resolution: [u32; 2], [x0, x1, y0, y1]: [f32; 4]) -> Self {
-        let edge = |size: u32, fraction: f32| {
-            // f64: a product of 32-bit integers and f32 fractions is exact, so 1 is the last edge.
-            (f64::from(size) * f64::from(fraction)).ceil().max(0.0) as u32
+    pub fn crop(resolution: [u32; 2], [x0, x1, y0, y1]: [f64; 4]) -> Self {
+        let edge = |size: u32, fraction: f64| {
+            // Decimal fractions are rounded: 0.07 of 100 pixels is 7.000000000000001, and means 7.
+            let edge = f64::from(size) * fraction;
+            (edge * (1.0 - 1e-12)).ceil().max(0.0) as u32
         };
         let [width, height] = resolution;
         Self {

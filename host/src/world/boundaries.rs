@@ -9,6 +9,7 @@
 //! whose boundary says "outside is fog" displaces the fog. Regions of different media that overlap
 //! otherwise hold both: coefficients add.
 
+use std::collections::HashMap;
 use std::time::Duration;
 
 use glam::{DVec3, Vec3A};
@@ -48,6 +49,61 @@ pub struct Sides {
     pub inside: Option<usize>,
     /// In front of it.
     pub outside: Option<usize>,
+}
+
+impl Sides {
+    /// The same surface seen with its normals turned around.
+    pub(super) const fn swapped(self) -> Self {
+        Self {
+            inside: self.outside,
+            outside: self.inside,
+        }
+    }
+}
+
+/// Which way the normals of a surface point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Facing {
+    /// Out of the region that it encloses.
+    Outwards,
+    /// Into it: what lies behind them has no bound.
+    Inwards,
+    /// It encloses no region.
+    Open,
+}
+
+/// Which way the normals of a shape point: by the sign of the volume that its triangles enclose, if every edge
+/// is shared by as many triangles in one direction as in the other.
+pub(super) fn facing(shape: &scene::Shape) -> Facing {
+    let scene::Shape::TriangleMesh(mesh) = shape else {
+        return Facing::Outwards;
+    };
+    let vertex = |i: u32| mesh.positions.get(i as usize).copied().unwrap_or_default();
+    // Meshes often repeat a vertex for each face, so places are compared and not indices.
+    let key = |p: DVec3| (p + DVec3::ZERO).to_array().map(f64::to_bits);
+    let mut edges: HashMap<_, i64> = HashMap::new();
+    let mut volume = 0.0;
+    let middle = mesh.positions.first().copied().unwrap_or_default();
+    for triangle in &mesh.indices {
+        let [a, b, c] = triangle.map(vertex);
+        volume += (a - middle).dot((b - middle).cross(c - middle));
+        for (from, to) in [(a, b), (b, c), (c, a)] {
+            let (from, to) = (key(from), key(to));
+            let (edge, direction) = if from < to {
+                ((from, to), 1)
+            } else {
+                ((to, from), -1)
+            };
+            // An edge of no length is no edge.
+            *edges.entry(edge).or_default() += if from == to { 0 } else { direction };
+        }
+    }
+    let closed = volume != 0.0 && edges.values().all(|&balance| balance == 0);
+    match (closed, volume < 0.0) {
+        (false, _) => Facing::Open,
+        (true, false) => Facing::Outwards,
+        (true, true) => Facing::Inwards,
+    }
 }
 
 /// All boundaries of a scene, with the media between them.
@@ -97,6 +153,7 @@ fn aabb((low, high): (DVec3, DVec3)) -> Aabb {
 impl Boundaries {
     /// Sorts surfaces for traversal.
     ///
+    /// * `boundaries`: with the media on their sides, as if normals that point inwards pointed outwards.
     /// * `origin`: the place of the world that becomes the origin of rendering.
     /// * `supports`: for each assembled medium the box that bounds it, if any.
     pub fn new(
@@ -114,12 +171,10 @@ impl Boundaries {
                 }
                 scene::Shape::TriangleMesh(mesh) => {
                     let vertex = |i: u32| mesh.positions.get(i as usize).map(|p| *p - origin);
-                    let triangles = mesh.indices.iter().filter_map(|t| {
-                        Some(Surface::Triangle([
-                            vertex(t[0])?,
-                            vertex(t[1])?,
-                            vertex(t[2])?,
-                        ]))
+                    let inwards = facing(&boundary.shape) == Facing::Inwards;
+                    let triangles = mesh.indices.iter().filter_map(|&[a, b, c]| {
+                        let [b, c] = if inwards { [c, b] } else { [b, c] };
+                        Some(Surface::Triangle([vertex(a)?, vertex(b)?, vertex(c)?]))
                     });
                     surfaces.extend(triangles.map(|t| (t, index)));
                 }
@@ -141,6 +196,11 @@ impl Boundaries {
             bvh,
             overlaps,
         }
+    }
+
+    /// The medium that fills space outside of every boundary.
+    pub(super) fn exterior(&self) -> Option<usize> {
+        self.exterior
     }
 
     /// The stretches of a ray within media, sorted by where they begin.

@@ -1,5 +1,7 @@
 //! From a scene's media to the tables that kernels walk.
 
+use std::cell::RefCell;
+
 use glam::{DAffine3, DMat3, DVec3};
 use woodcock_core::majorant::{fill_majorants, majorant_count};
 use woodcock_core::medium::Affine;
@@ -136,7 +138,7 @@ pub(super) fn assemble(
     };
     let placed = place(medium, &samples, origin)
         .ok_or_else(|| SceneError::at(&medium.place, "the medium's transform is singular"))?;
-    record.kind = append(samples, placed.0, tables).map_err(|why| {
+    record.kind = append(samples, placed.0, record.scale, tables).map_err(|why| {
         SceneError::at(&medium.place, format!("medium \"{}\": {why}", medium.name))
     })?;
     Ok(Some(Medium {
@@ -210,6 +212,7 @@ pub(super) fn rows(map: &DAffine3) -> Affine {
 fn append(
     samples: Samples,
     world_to_grid: Affine,
+    scale: f32,
     tables: &mut Tables,
 ) -> Result<RecordKind, String> {
     let dims = samples.dims;
@@ -221,6 +224,13 @@ fn append(
     tables.majorants.resize(first_bound + bounds, 0.0);
     let space = tables.majorants.get_mut(first_bound..).unwrap_or_default();
     fill_majorants(&samples.values, dims, space).map_err(|error| error.to_string())?;
+    // An infinite bound would leave paths where they are, for ever.
+    let peak = space.iter().copied().fold(0.0, f32::max);
+    if !(peak * scale).is_finite() {
+        return Err(format!(
+            "density {peak:e} times {scale:e} is beyond the range of 32-bit numbers"
+        ));
+    }
     if first == 0 {
         tables.samples = samples.values;
     } else {
@@ -282,13 +292,16 @@ fn padded(dims: [u64; 3], limits: &Limits) -> Result<[u32; 3], String> {
 /// One grid of an OpenVDB file.
 fn openvdb(bytes: &[u8], name: &str, limits: &Limits) -> Result<Option<Samples>, String> {
     let text = |error: vdb::VdbError| error.to_string();
-    let file = vdb::read_grids(bytes, limits, |grid| grid == name).map_err(text)?;
+    let seen = RefCell::new(Vec::new());
+    let wanted = |grid: &str| {
+        seen.borrow_mut().push(format!("\"{grid}\""));
+        grid == name
+    };
+    let file = vdb::read_grids(bytes, limits, wanted).map_err(text)?;
     let Some(grid) = file.grid(name) else {
-        let names: Vec<_> = file
-            .grids
-            .iter()
-            .map(|g| format!("\"{}\"", g.name))
-            .collect();
+        let mut names = seen.into_inner();
+        names.sort();
+        names.dedup();
         return Err(match names.is_empty() {
             true => format!("there is no grid \"{name}\": the file has no grids"),
             false => format!("there is no grid \"{name}\", only {}", names.join(", ")),

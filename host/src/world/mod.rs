@@ -2,6 +2,7 @@
 //! origin, and the decision which kernel runs.
 
 mod boundaries;
+mod locate;
 mod medium;
 mod needs;
 mod shape;
@@ -17,10 +18,10 @@ use woodcock_core::path::{Convex, RECORD_WORDS};
 
 use crate::film::Window;
 use crate::scene::{
-    Files, Light, MediumId, MediumKind, Place, Projection, Scene, SceneError, Shape, Warning,
+    Files, Light, MediumId, MediumKind, Projection, Scene, SceneError, Shape, Warning,
 };
 use crate::volume::Limits;
-use shape::Region;
+use locate::locate;
 
 /// Where media lie.
 #[derive(Debug)]
@@ -70,7 +71,7 @@ pub struct Options {
     /// Picture size in place of the scene's.
     pub resolution: Option<[u32; 2]>,
     /// Part of the picture in place of the scene's, in fractions of it.
-    pub crop: Option<[f32; 4]>,
+    pub crop: Option<[f64; 4]>,
     /// Memory.
     pub limits: Limits,
 }
@@ -83,6 +84,21 @@ impl World {
             environment: self.environment,
             sample_environment: self.needs.runs(Feature::EnvironmentNextEvent),
         }
+    }
+
+    /// Whether a medium without bounds scatters some colour without ever absorbing it, so that a path in it ends
+    /// only where it is cut off.
+    pub fn is_endless(&self) -> bool {
+        let exterior = match &self.place {
+            Location::Convex(Convex::Everywhere) => Some(0),
+            Location::Boundaries(boundaries) => boundaries.exterior(),
+            _ => None,
+        };
+        let medium = exterior.and_then(|index| self.media.get(index));
+        medium.is_some_and(|m| {
+            let record = &m.record;
+            m.support.is_none() && (0..3).any(|c| record.albedo[c] == 1.0 && record.colour[c] > 0.0)
+        })
     }
 }
 
@@ -198,17 +214,19 @@ fn picture(scene: &Scene, options: &Options) -> Result<([u32; 2], Window), Scene
     let window = match options.crop {
         Some(crop) => Window::crop(resolution, crop),
         None if options.resolution.is_some() => {
-            let fraction = |n: u32, of: u32| n as f32 / of as f32;
+            // In integers: a third of 300 pixels is 100, and not 100.000003 rounded up.
+            let edge = |at: u32, of: u32, size: u32| {
+                let scaled = u64::from(at) * u64::from(size);
+                u32::try_from(scaled.div_ceil(u64::from(of).max(1))).unwrap_or(size)
+            };
             let c = &film.crop;
-            Window::crop(
-                resolution,
-                [
-                    fraction(c.x0, film.width),
-                    fraction(c.x1, film.width),
-                    fraction(c.y0, film.height),
-                    fraction(c.y1, film.height),
-                ],
-            )
+            let [width, height] = resolution;
+            Window {
+                x0: edge(c.x0, film.width, width),
+                y0: edge(c.y0, film.height, height),
+                x1: edge(c.x1, film.width, width),
+                y1: edge(c.y1, film.height, height),
+            }
         }
         None => {
             let c = &film.crop;
@@ -304,203 +322,6 @@ fn assemble_media(
         assembled.media.extend(seen);
     }
     Ok(assembled)
-}
-
-/// Finds the simplest description of where media lie.
-fn locate(
-    scene: &Scene,
-    assembled: &Assembled,
-    origin: DVec3,
-    chromatic: bool,
-    keep: &[Feature],
-    needs: &mut Needs,
-    warnings: &mut Vec<Warning>,
-) -> Result<Location, SceneError> {
-    let boundaries: Vec<_> = scene
-        .boundaries
-        .iter()
-        .map(|b| {
-            let sides = Sides {
-                inside: assembled.of(b.inside),
-                outside: assembled.of(b.outside),
-            };
-            (b, sides)
-        })
-        .filter(|(_, sides)| sides.inside != sides.outside)
-        .collect();
-    let exterior = exterior(scene, assembled, &boundaries, origin);
-    if let Some(id) = scene.camera_medium
-        && exterior.is_none()
-        && boundaries.is_empty()
-        && assembled.of(Some(id)).is_some()
-        && let Some(medium) = scene.medium(id)
-    {
-        warnings.push(
-            SceneError::at(&medium.place, "the camera's medium reaches nowhere").into_warning(),
-        );
-    }
-    let several = needs.decide(
-        Feature::SeveralMedia,
-        assembled.media.len() > 1,
-        keep,
-        match assembled.media.len() {
-            0 => "no medium".to_owned(),
-            1 => "one medium: its parameters are constants".to_owned(),
-            n => format!("{n} media"),
-        },
-    );
-    let convex = convex(assembled, &boundaries, exterior, origin);
-    let reason = match &convex {
-        None if assembled.media.is_empty() => "no medium",
-        None => "surfaces that are no box or sphere, or several",
-        Some(Convex::Everywhere) => "the medium fills space",
-        Some(Convex::Box { .. }) => "a box: an interval in closed form",
-        Some(Convex::Sphere { .. }) => "a sphere: an interval in closed form",
-    };
-    if assembled.media.is_empty() || (boundaries.is_empty() && exterior.is_none()) {
-        needs.decide(Feature::Boundaries, false, &[], "no medium in reach");
-        return Ok(Location::Nowhere);
-    }
-    let search = needs.decide(Feature::Boundaries, convex.is_none(), keep, reason);
-    match convex {
-        // A kernel of several media still takes a convex place: its medium is number zero.
-        Some(convex) if !search => Ok(Location::Convex(convex)),
-        _ => {
-            let overlaps = overlaps(assembled, &boundaries, exterior, origin);
-            if let (Some(place), true) = (&overlaps, chromatic) {
-                return Err(SceneError::at(
-                    place,
-                    "media of coloured extinction whose regions overlap are not supported yet",
-                )
-                .help("make the extinction grey, or name the enclosing medium as this boundary's outside"));
-            }
-            let supports = assembled.media.iter().map(|m| m.support).collect();
-            let overlapping = overlaps.is_some() && several;
-            Ok(Location::Boundaries(Boundaries::new(
-                &boundaries,
-                exterior,
-                supports,
-                origin,
-                overlapping,
-            )))
-        }
-    }
-}
-
-/// The medium outside of all boundaries: that of the camera where there is none, else the one that
-/// boundaries name as their outside but none as its inside.
-fn exterior(
-    scene: &Scene,
-    assembled: &Assembled,
-    boundaries: &[(&crate::scene::Boundary, Sides)],
-    _origin: DVec3,
-) -> Option<usize> {
-    if boundaries.is_empty() {
-        return assembled.of(scene.camera_medium);
-    }
-    let outside = boundaries.iter().filter_map(|(_, sides)| sides.outside);
-    outside.into_iter().find(|medium| {
-        boundaries
-            .iter()
-            .all(|(_, sides)| sides.inside != Some(*medium))
-    })
-}
-
-/// One medium in one convex shape, if that is what the scene comes to.
-fn convex(
-    assembled: &Assembled,
-    boundaries: &[(&crate::scene::Boundary, Sides)],
-    exterior: Option<usize>,
-    origin: DVec3,
-) -> Option<Convex> {
-    let [medium] = assembled.media.as_slice() else {
-        return None;
-    };
-    match (boundaries, exterior) {
-        ([], Some(_)) => Some(match &medium.support {
-            Some(support) => shape::convex_box(support),
-            None => Convex::Everywhere,
-        }),
-        (
-            [
-                (
-                    boundary,
-                    Sides {
-                        inside: Some(_),
-                        outside: None,
-                    },
-                ),
-            ],
-            None,
-        ) => {
-            let region = Region::of(boundary, origin)?;
-            match &medium.support {
-                None => Some(region.convex()),
-                Some(support) => region
-                    .contains(&support.corners())
-                    .then(|| shape::convex_box(support)),
-            }
-        }
-        _ => None,
-    }
-}
-
-/// The place of a boundary whose medium may share space with another, if there is one. Judged by boxes: it
-/// may be wrong on the safe side.
-fn overlaps(
-    assembled: &Assembled,
-    boundaries: &[(&crate::scene::Boundary, Sides)],
-    exterior: Option<usize>,
-    origin: DVec3,
-) -> Option<Place> {
-    if assembled.media.len() < 2 {
-        return None;
-    }
-    let boxed = |boundary: &crate::scene::Boundary| -> (DVec3, DVec3) {
-        let points: Vec<DVec3> = match &boundary.shape {
-            Shape::Sphere(sphere) => {
-                let m = DAffine3::from_translation(-origin) * sphere.object_to_world;
-                let corner = |i: usize| {
-                    let sign = |bit: usize| {
-                        if i >> bit & 1 == 1 {
-                            sphere.radius
-                        } else {
-                            -sphere.radius
-                        }
-                    };
-                    m.transform_point3(DVec3::new(sign(0), sign(1), sign(2)))
-                };
-                (0..8).map(corner).collect()
-            }
-            Shape::TriangleMesh(mesh) => mesh.positions.iter().map(|p| *p - origin).collect(),
-        };
-        let low = points.iter().copied().fold(DVec3::INFINITY, DVec3::min);
-        let high = points.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
-        (low, high)
-    };
-    for (i, (a, sides_a)) in boundaries.iter().enumerate() {
-        if exterior.is_some() && sides_a.outside != exterior && sides_a.inside != exterior {
-            let nested = boundaries
-                .iter()
-                .any(|(_, s)| s.inside == sides_a.outside && s.inside.is_some());
-            if !nested {
-                return Some(a.place.clone());
-            }
-        }
-        for (b, sides_b) in &boundaries[i + 1..] {
-            if sides_a.inside == sides_b.inside {
-                continue;
-            }
-            let declared = sides_a.outside.is_some() && sides_a.outside == sides_b.inside
-                || sides_b.outside.is_some() && sides_b.outside == sides_a.inside;
-            let ((low_a, high_a), (low_b, high_b)) = (boxed(a), boxed(b));
-            let apart = high_a.cmplt(low_b).any() || high_b.cmplt(low_a).any();
-            if !declared && !apart {
-                return Some(b.place.clone());
-            }
-        }
-    }
-    None
 }
 
 fn lights_needed(scene: &Scene, keep: &[Feature], needs: &mut Needs) {

@@ -1,7 +1,9 @@
 //! The suites of `host`, in one program.
 #![forbid(unsafe_code)]
 
+mod cli;
 mod pbrt;
 mod pbrt_errors;
 mod pbrt_mutations;
+mod render;
 mod vdb;
