@@ -378,11 +378,13 @@ mod tests {
             crop([0.25, 0.5, 0.1, 0.9]),
             Window {
                 x0: 25,
-                y0: 6,
+                y0: 5,
                 x1: 50,
                 y1: 45
             }
         );
+        // As written, not as rounded to binary.
+        assert_eq!(crop([0.07, 0.29, 0.0, 1.0]).size()[0], 22);
         assert!(crop([0.501, 0.502, 0.0, 1.0]).is_empty());
         // Halves that share an edge share no pixel.
         assert_eq!(

@@ -9,6 +9,7 @@ use super::param::Type;
 use super::params::Params;
 use super::reader::Reader;
 use super::suggest::nearest;
+use crate::film::Window;
 
 /// Bytes that a pixel takes while rendering: two moments per channel in f64, and a count.
 const BYTES_PER_PIXEL: u64 = 56;
@@ -294,14 +295,8 @@ fn crop(params: &Params, width: u32, height: u32) -> Result<PixelBounds, SceneEr
                 let message = "a crop window lies within 0 and 1";
                 return Err(SceneError::at(&place, message));
             }
-            let edge = |part: f64, size: u32| (part * f64::from(size)).ceil() as u32;
-            let bounds = PixelBounds {
-                x0: edge(x0, width),
-                x1: edge(x1, width),
-                y0: edge(y0, height),
-                y1: edge(y1, height),
-            };
-            (bounds, place)
+            let Window { x0, y0, x1, y1 } = Window::crop([width, height], [x0, x1, y0, y1]);
+            (PixelBounds { x0, x1, y0, y1 }, place)
         }
         (None, Some(([x0, x1, y0, y1], place))) => {
             let edge = |at: f64, size: u32| at.clamp(0.0, f64::from(size)) as u32;
