@@ -95,10 +95,6 @@ fn plan(args: &RenderArgs, scene: &Scene, world: &World) -> Result<(Plan, String
                 "--transmittance closed: this scene has media on grids, which have no closed form";
             return Err(Failure::Usage(message.into()));
         }
-        Some(args::Transmittance::Delta) if world.needs.runs(Feature::Chromatic) => {
-            let message = "--transmittance delta: one decision cannot serve colours of different extinction; use ratio";
-            return Err(Failure::Usage(message.into()));
-        }
         Some(args::Transmittance::Delta) if tracking => (ShadowEstimator::Delta, "delta"),
         _ if tracking => (ShadowEstimator::Ratio, "ratio"),
         _ => (ShadowEstimator::Ratio, "closed"),

@@ -7,7 +7,7 @@ use woodcock_core::majorant::{fill_majorants, majorant_count};
 use woodcock_core::medium::Affine;
 use woodcock_core::path::{MediumRecord, RecordKind};
 
-use crate::scene::{Files, MediumKind, NamedMedium, Phase, SceneError, UniformGrid};
+use crate::scene::{Files, MediumKind, NamedMedium, Phase, SceneError, UniformGrid, Warning};
 use crate::volume::{Limits, vdb};
 
 /// Samples and bounds of all grids of a scene, one after the other.
@@ -80,6 +80,7 @@ pub(super) fn assemble(
     files: &dyn Files,
     limits: &Limits,
     tables: &mut Tables,
+    warnings: &mut Vec<Warning>,
 ) -> Result<Option<Medium>, SceneError> {
     let sigma_t: [f64; 3] = std::array::from_fn(|c| medium.sigma_a[c] + medium.sigma_s[c]);
     let scale = sigma_t.into_iter().fold(0.0, f64::max);
@@ -123,11 +124,14 @@ pub(super) fn assemble(
         }
         MediumKind::UniformGrid(grid) => uniform(grid, limits),
         MediumKind::OpenVdb(vdb) => {
-            let read = || -> Result<_, String> {
+            let mut read = || -> Result<_, String> {
                 let bytes = files
                     .read(&vdb.filename)
                     .map_err(|error| format!("cannot be read: {error}"))?;
-                openvdb(&bytes, &vdb.gridname, limits)
+                openvdb(&bytes, &vdb.gridname, limits, |remark| {
+                    let remark = format!("{}: {remark}", vdb.filename.display());
+                    warnings.push(SceneError::at(&medium.place, remark).into_warning());
+                })
             };
             read().map_err(|why| format!("{}: {why}", vdb.filename.display()))
         }
@@ -290,7 +294,14 @@ fn padded(dims: [u64; 3], limits: &Limits) -> Result<[u32; 3], String> {
 }
 
 /// One grid of an OpenVDB file.
-fn openvdb(bytes: &[u8], name: &str, limits: &Limits) -> Result<Option<Samples>, String> {
+///
+/// * `remark`: told what a user may not expect.
+fn openvdb(
+    bytes: &[u8],
+    name: &str,
+    limits: &Limits,
+    mut remark: impl FnMut(String),
+) -> Result<Option<Samples>, String> {
     let text = |error: vdb::VdbError| error.to_string();
     let seen = RefCell::new(Vec::new());
     let wanted = |grid: &str| {
@@ -326,6 +337,12 @@ fn openvdb(bytes: &[u8], name: &str, limits: &Limits) -> Result<Option<Samples>,
             "grid \"{name}\" lies in a frustum, which cannot be rendered"
         ));
     };
+    let background = voxels.background();
+    if background != 0.0 {
+        remark(format!(
+            "grid \"{name}\" has the background {background}: it ends one voxel beyond the stored values"
+        ));
+    }
     let Some((min, max)) = voxels.statistics().stored_bbox else {
         return Ok(None);
     };

@@ -124,7 +124,7 @@ pub fn assemble(scene: &Scene, files: &dyn Files, options: &Options) -> Result<W
     let (resolution, window) = picture(scene, options)?;
     let mut warnings = Vec::new();
     let origin = local_origin(scene);
-    let assembled = assemble_media(scene, origin, files, options)?;
+    let assembled = assemble_media(scene, origin, files, options, &mut warnings)?;
     let keep = &options.keep;
     let mut needs = Needs::default();
 
@@ -290,6 +290,7 @@ fn assemble_media(
     origin: DVec3,
     files: &dyn Files,
     options: &Options,
+    warnings: &mut Vec<Warning>,
 ) -> Result<Assembled, SceneError> {
     let used = |id: usize| {
         let id = Some(MediumId(id));
@@ -312,6 +313,7 @@ fn assemble_media(
                 files,
                 &options.limits,
                 &mut assembled.tables,
+                warnings,
             )?
         } else {
             None
