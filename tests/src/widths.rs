@@ -1,6 +1,6 @@
 //! One statistical body for every width: a scalar, its double-precision oracle and eight lanes.
 //!
-//! A core function is generic over [`Real`], so a test of it should be as well; [`each_width`] stamps a body out
+//! A core function is generic over [`Real`], so a test of it should be as well; [`each_width`](crate::each_width) stamps a body out
 //! three times. Paths are keyed by their number, so all widths of `f32` draw the same paths.
 
 use crate::stats::Sample;
