@@ -165,11 +165,11 @@ fn usage_errors_exit_with_two() {
                 "render",
                 "s.pbrt",
                 "--transmittance",
-                "delta",
+                "closed",
                 "--keep",
                 "tracking",
             ],
-            &["delta"],
+            &["closed"],
         ),
         (
             &["render", "s.pbrt", "--shard", "0/2"],
