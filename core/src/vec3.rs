@@ -87,7 +87,7 @@ impl<R: Real> Vec3<R> {
     /// The unit direction at `cos_theta` from `self` (a unit vector), turned about it by `turn` of a
     /// full circle.
     ///
-    /// The frame is the branch-free one of Duff et al. 2017, which has no pole. The result is brought
+    /// The frame is the branch-free one of [Duff 2017], which has no pole. The result is brought
     /// back to unit length, so that a long chain of scatterings does not drift.
     #[inline(always)]
     pub fn deflected(self, cos_theta: R, turn: R) -> Self {

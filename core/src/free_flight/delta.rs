@@ -7,7 +7,7 @@
 //! Keeping each event with probability σ_t/σ̄ leaves a Poisson process of rate σ_t, so the density of
 //! the first kept one is σ_t T, for any σ̄ ≥ σ_t. The extinction enters linearly, so that an unbiased
 //! estimate of it within [0, σ̄] serves as well as its value. Mean cost: ∫σ̄T dt look-ups.
-//! Sources: [Woodcock 1965], [Raab 2006] Algorithm 1.
+//! Sources: [Woodcock 1965], [Raab, Seibert, Keller 2006] Algorithm 1.
 
 use crate::free_flight::Flight;
 use crate::majorant::{Process, Stages};

@@ -1,4 +1,4 @@
-//! The walk over the blocks of a majorant grid: Amanatides and Woo 1987, in lanes.
+//! The walk over the blocks of a majorant grid: [Amanatides, Woo 1987], in lanes.
 //!
 //! Blocks are counted in integers (held as exact floats), and the distance to a block's face is
 //! computed from the face's index each time, never accumulated; so the walk cannot drift from the

@@ -21,15 +21,17 @@
 //! as a path draws only its own numbers in its own order; packets use that freedom to fill their
 //! lanes, and one lane simply follows the arrows.
 
+mod counts;
 mod geometry;
 mod media;
 mod state;
 
+pub use counts::Counts;
 pub use geometry::{Convex, Geometry, Stretch};
 pub use media::{
     Atlas, MediumRecord, OneGrid, OneHomogeneous, Optics, PathMedium, RECORD_WORDS, RecordKind,
 };
-pub use state::{Counts, Paths, Stage};
+pub use state::{Paths, Stage};
 
 use crate::camera::Camera;
 use crate::light::Lights;

@@ -3,7 +3,7 @@
 use crate::collision::{self, Chromatic};
 use crate::free_flight::delta::is_real;
 use crate::majorant::Tracker;
-use crate::path::{Geometry, Optics, PathMedium, PathSample, Scene, ShadowEstimator};
+use crate::path::{Counts, Geometry, Optics, PathMedium, PathSample, Scene, ShadowEstimator};
 use crate::phase::Phase;
 use crate::ray::{FAR, Ray};
 use crate::real::{Mask, Real, Word};
@@ -22,44 +22,6 @@ pub enum Stage {
     Collide,
     /// Sample a light and a new direction.
     Scatter,
-}
-
-/// What the steps did, summed over lanes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Counts {
-    /// Paths launched.
-    pub paths: u64,
-    /// Tentative collisions, of flights and shadow rays.
-    pub tentative_collisions: u64,
-    /// Flights ended by a real collision.
-    pub real_collisions: u64,
-    /// Tentative collisions of flights that were null.
-    pub null_collisions: u64,
-    /// Look-ups of samples.
-    pub lookups: u64,
-    /// Majorant segments walked.
-    pub majorant_cells: u64,
-    /// Tentative collisions whose extinction exceeded the bound: always zero unless a bound is wrong.
-    pub majorant_violations: u64,
-    /// Steps taken, all lanes together counting once.
-    pub steps: u64,
-    /// Lanes that held an unfinished path, summed over steps.
-    pub busy_lanes: u64,
-}
-
-impl Counts {
-    /// Adds another's.
-    pub fn add(&mut self, other: &Self) {
-        self.paths += other.paths;
-        self.tentative_collisions += other.tentative_collisions;
-        self.real_collisions += other.real_collisions;
-        self.null_collisions += other.null_collisions;
-        self.lookups += other.lookups;
-        self.majorant_cells += other.majorant_cells;
-        self.majorant_violations += other.majorant_violations;
-        self.steps += other.steps;
-        self.busy_lanes += other.busy_lanes;
-    }
 }
 
 /// The nearest real collision found so far on a lane's ray.

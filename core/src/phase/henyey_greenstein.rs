@@ -8,7 +8,7 @@
 //! a = (2u − (1 − g))/((1 − g) + 2gu), which tends to 2u − 1 as g → 0, the same cosine is
 //! a + (g/2)(1 − a)(1 + a): no division by g, and isotropic scattering needs no branch. For g < 0 the
 //! lobe of |g| is turned around. In the density 1 + g² − 2gμ is formed as (1 − |g|)² + 2|g|(1 ∓ μ),
-//! which does not cancel in the peak. Source: [Henyey 1941].
+//! which does not cancel in the peak. Source: [Henyey, Greenstein 1941].
 
 use crate::phase::INV_4PI;
 use crate::real::Real;

@@ -6,7 +6,7 @@
 //!
 //! Unbiased for any σ̄ > 0. Weights lie in [0, 1] where σ̄ ≥ σ_t; elsewhere they change sign, which
 //! keeps the mean and can explode the variance. Relative variance exp(∫σ_t²/σ̄) − 1; mean cost ∫σ̄ dt
-//! look-ups, less what weights of exactly zero save. Source: [Novák 2014].
+//! look-ups, less what weights of exactly zero save. Source: [Novák, Selle, Jarosz 2014].
 
 use crate::medium::Medium;
 use crate::ray::Ray;

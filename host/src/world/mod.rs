@@ -2,6 +2,7 @@
 //! origin, and the decision which kernel runs.
 
 mod boundaries;
+mod crossing;
 mod locate;
 mod medium;
 mod needs;
