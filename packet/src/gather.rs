@@ -2,6 +2,9 @@
 //!
 //! Indices beyond a table read its last entry, as finished lanes may ask for anything; an empty table
 //! gives zero.
+//!
+//! Against eight bounds-checked loads the instruction saved a tenth of a cloud's rendering time (1015 and 915 ns
+//! a path, medians of five interleaved runs on one thread of a noisy machine).
 #![cfg_attr(
     all(target_arch = "x86_64", target_feature = "avx2"),
     expect(
