@@ -16,11 +16,12 @@ use crate::world::{Feature, Location, World};
 
 /// Eight lanes or one. Both give the same bits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Kernel {
-    /// Eight lanes with refill.
+    /// Eight lanes with refill
     #[default]
     Packet,
-    /// One path at a time: the oracle.
+    /// One lane: the same code, the same bits
     Scalar,
 }
 

@@ -3,6 +3,7 @@
 //! What a flag's name promises and this version cannot do is refused with a sentence, never ignored.
 
 use super::values::{self, Replay};
+pub use crate::render::Kernel;
 use clap::error::ErrorKind;
 use clap::{Args, CommandFactory, Parser, Subcommand, ValueEnum};
 use std::ffi::OsString;
@@ -236,26 +237,6 @@ impl Transmittance {
             Self::Ratio => "ratio",
             Self::Delta => "delta",
             Self::Closed => "closed",
-        }
-    }
-}
-
-/// How many lanes trace paths.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum Kernel {
-    /// Eight lanes with refill
-    #[default]
-    Packet,
-    /// One lane: the same code, the same bits
-    Scalar,
-}
-
-impl Kernel {
-    /// Name on the command line and in reports.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Packet => "packet",
-            Self::Scalar => "scalar",
         }
     }
 }

@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use woodcock_core::path::{Counts, ShadowEstimator};
 
-use super::args::{self, ExplainArgs, InfoArgs, RenderArgs};
+use super::args::{ExplainArgs, InfoArgs, RenderArgs, Transmittance};
 use super::failure::{self, Failure};
 use super::render::{Prepared, Rendered};
 use crate::builtin;
@@ -89,22 +89,21 @@ fn options(args: &RenderArgs) -> Result<world::Options, Failure> {
 /// The plan that arguments make for a world, and the name of its transmittance estimator.
 fn plan(args: &RenderArgs, scene: &Scene, world: &World) -> Result<(Plan, String), Failure> {
     let tracking = world.needs.runs(Feature::Tracking);
-    let (shadow, name) = match args.transmittance {
-        Some(args::Transmittance::Closed) if tracking => {
+    let estimator = match args.transmittance {
+        Some(Transmittance::Closed) if tracking => {
             let message =
                 "--transmittance closed: this scene has media on grids, which have no closed form";
             return Err(Failure::Usage(message.into()));
         }
-        Some(args::Transmittance::Delta) if tracking => (ShadowEstimator::Delta, "delta"),
-        _ if tracking => (ShadowEstimator::Ratio, "ratio"),
-        _ => (ShadowEstimator::Ratio, "closed"),
+        _ if !tracking => Transmittance::Closed,
+        asked => asked.unwrap_or(Transmittance::Ratio),
     };
-    let kernel = match args.kernel {
-        args::Kernel::Packet => Kernel::Packet,
-        args::Kernel::Scalar => Kernel::Scalar,
+    let shadow = match estimator {
+        Transmittance::Delta => ShadowEstimator::Delta,
+        Transmittance::Ratio | Transmittance::Closed => ShadowEstimator::Ratio,
     };
     let seed = args.seed.or(scene.seed).unwrap_or(0);
-    let plan = Plan::new(world, kernel, seed, shadow, args.max_depth);
+    let plan = Plan::new(world, args.kernel, seed, shadow, args.max_depth);
     if plan.settings.max_depth == u32::MAX && world.is_endless() {
         let message = "a medium of albedo 1 fills all space: paths would never end";
         let error = SceneError::of_file("the scene", message);
@@ -112,7 +111,7 @@ fn plan(args: &RenderArgs, scene: &Scene, world: &World) -> Result<(Plan, String
             .help("give --max-depth, let the medium absorb, or bound it by a surface")
             .into());
     }
-    Ok((plan, name.to_owned()))
+    Ok((plan, estimator.name().to_owned()))
 }
 
 /// Prepares `woodcock render`.
