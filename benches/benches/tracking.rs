@@ -104,7 +104,13 @@ fn closed_form(medium: &Homogeneous) -> Pair<'_> {
     Pair {
         name: "free_flight/analytic/homogeneous".to_owned(),
         scalar: Box::new(move |ray, rng| {
-            flight_length(analytic::sample(medium, ray.t_max, rng, true))
+            flight_length(analytic::sample(
+                medium,
+                &world_ray(ray),
+                ray.t_max,
+                rng,
+                true,
+            ))
         }),
         packet: Box::new(move |bundle, _, out| analytic_flights(medium, bundle, out)),
         score: escaped,

@@ -30,12 +30,15 @@
 //! use woodcock_core::medium::Homogeneous;
 //! use woodcock_core::stream::{Key, PathStream};
 //! use woodcock_core::free_flight::analytic;
+//! use woodcock_core::ray::Ray;
+//! use woodcock_core::vec3::Vec3;
 //!
 //! let fog = Homogeneous::new(0.5)?;
+//! let ray = Ray { origin: Vec3::uniform(0.0), direction: Vec3::splat([0.0, 0.0, 1.0]) };
 //! let mut passed = 0;
 //! for sample in 0..10_000 {
 //!     let mut rng = PathStream::new(Key { seed: 1, pixel: 0, sample });
-//!     let flight = analytic::sample(&fog, 2.0_f32, &mut rng, true);
+//!     let flight = analytic::sample(&fog, &ray, 2.0_f32, &mut rng, true);
 //!     passed += u32::from(!flight.collided);
 //! }
 //! let transmittance = f64::from(passed) / 10_000.0;
@@ -53,6 +56,7 @@ pub mod collision;
 pub mod elementary;
 pub mod free_flight;
 pub mod light;
+pub mod line_integral;
 pub mod majorant;
 pub mod medium;
 pub mod path;
@@ -60,5 +64,6 @@ pub mod phase;
 pub mod ray;
 pub mod real;
 pub mod stream;
+pub mod sum;
 pub mod transmittance;
 pub mod vec3;

@@ -9,9 +9,9 @@ use core::array;
 
 use woodcock_core::free_flight::{analytic, delta::Delta};
 use woodcock_core::majorant::Process;
-use woodcock_core::medium::{Homogeneous, Medium};
+use woodcock_core::medium::{ClosedForm, Medium};
 use woodcock_core::ray::Ray;
-use woodcock_core::real::{Mask, Real, Word};
+use woodcock_core::real::{Mask, Word};
 use woodcock_core::stream::Key;
 use woodcock_core::transmittance::{Estimate, Rule};
 use woodcock_core::vec3::Vec3;
@@ -130,9 +130,11 @@ pub enum Schedule {
 /// Tentative collisions are decided when this many lanes are at one; moving on is cheaper.
 const COLLIDE_AT: u32 = 5;
 
-/// Runs a process over a bundle; results land at their rays' places.
+/// Runs any process over a bundle; results land at their rays' places.
+///
+/// * `process`: no ray in it yet. `results`: as long as the bundle; a shorter slice receives the first ones.
 #[inline(always)]
-fn run<M: Medium<Lanes>, P: Process<Lanes, M>>(
+pub fn run<M: Medium<Lanes>, P: Process<Lanes, M>>(
     medium: &M,
     process: &mut P,
     bundle: &Bundle,
@@ -186,7 +188,7 @@ fn run<M: Medium<Lanes>, P: Process<Lanes, M>>(
             }
             usage.steps += 1;
             usage.busy_lanes += u64::from((tracking | tentative).count());
-            process.stages().advance(medium);
+            process.advance(medium);
             let busy = (process.stages().tracking() | process.stages().tentative()).count();
             // Where rays wait, a lane that has left is worth more than a fuller decision.
             if schedule == Schedule::Refill && next < bundle.len() && busy < LANES as u32 {
@@ -214,18 +216,11 @@ fn run_in_groups<M: Medium<Lanes>, P: Process<Lanes, M>>(
 ) -> Usage {
     let mut usage = Usage::default();
     let mut group = |first: usize, rays: usize| {
-        let column = |i: usize| Lanes::new(eight(&bundle.numbers[i], first));
-        let half = |i: usize| LaneWords::new(eight(&bundle.states[i], first));
         // Every lane begins, the ones beyond the bundle too: their results go nowhere.
         let all = LaneMask::splat(true);
-        let mut rng = LaneStream::default();
-        rng.set_states(half(0), half(1), all);
-        let ray = Ray {
-            origin: Vec3::new(column(0), column(1), column(2)),
-            direction: Vec3::new(column(3), column(4), column(5)),
-        };
-        process.begin(medium, &ray, column(6), &mut rng, all);
-        process.stages().advance(medium);
+        let (ray, t_max, mut rng) = group(bundle, first);
+        process.begin(medium, &ray, t_max, &mut rng, all);
+        process.advance(medium);
         let counted = LaneMask::from_bits((1 << rays) - 1);
         usage.steps += 1;
         usage.busy_lanes += rays as u64;
@@ -235,6 +230,20 @@ fn run_in_groups<M: Medium<Lanes>, P: Process<Lanes, M>>(
     };
     in_groups(bundle, results, &mut group);
     usage
+}
+
+/// Eight rays from `first` on, their lengths and their streams.
+#[inline(always)]
+fn group(bundle: &Bundle, first: usize) -> (Ray<Lanes>, Lanes, LaneStream) {
+    let column = |i: usize| Lanes::new(eight(&bundle.numbers[i], first));
+    let half = |i: usize| LaneWords::new(eight(&bundle.states[i], first));
+    let mut rng = LaneStream::default();
+    rng.set_states(half(0), half(1), LaneMask::splat(true));
+    let ray = Ray {
+        origin: Vec3::new(column(0), column(1), column(2)),
+        direction: Vec3::new(column(3), column(4), column(5)),
+    };
+    (ray, column(6), rng)
 }
 
 /// Calls `group(first, rays)` for eight rays after eight, and writes what it gives.
@@ -324,24 +333,25 @@ pub fn free_flights<M: Medium<Lanes>>(
     run(medium, &mut Delta::idle(medium), bundle, schedule, flights)
 }
 
-/// One free flight in closed form for each ray of a bundle, in a homogeneous medium.
+/// One free flight in closed form for each ray of a bundle.
 ///
 /// * `flights`: as of [`free_flights`].
 ///
 /// The result of a ray is that of [`woodcock_core::free_flight::analytic::sample`] with its key.
-pub fn analytic_flights(medium: &Homogeneous, bundle: &Bundle, flights: &mut [f32]) -> Usage {
+pub fn analytic_flights(
+    medium: &impl ClosedForm<Lanes>,
+    bundle: &Bundle,
+    flights: &mut [f32],
+) -> Usage {
     let mut usage = Usage::default();
     in_groups(bundle, flights, |first, rays| {
-        let half = |i: usize| LaneWords::new(eight(&bundle.states[i], first));
         let all = LaneMask::splat(true);
-        let mut rng = LaneStream::default();
-        rng.set_states(half(0), half(1), all);
-        let t_max = Lanes::new(eight(&bundle.numbers[6], first));
-        let flight = analytic::sample(medium, t_max, &mut rng, all);
+        let (ray, t_max, mut rng) = group(bundle, first);
+        let flight = analytic::sample(medium, &ray, t_max, &mut rng, all);
         usage.steps += 1;
         usage.busy_lanes += rays as u64;
         usage.tentative_collisions += rays as u64;
-        Lanes::select(flight.collided, flight.t, Lanes::splat(f32::INFINITY)).to_array()
+        flight.or_infinite().to_array()
     });
     usage
 }

@@ -15,6 +15,10 @@
 //! `checkerboard`, `nearest_grid` and `thin_shell`. Source: [Novák, Selle, Jarosz 2014].
 
 use crate::refs::transmittance::{Case, Field, Grid, Ray, load};
+use crate::widths::per_lane;
+use woodcock_core::medium::Procedural;
+use woodcock_core::real::Real;
+use woodcock_core::vec3::Vec3;
 
 /// One field with one ray through it.
 #[derive(Clone, Debug, PartialEq)]
@@ -77,6 +81,24 @@ impl Fixture {
             let [x, y, z] = self.ray.at(t);
             self.field.sigma_t(x, y, z)
         }
+    }
+
+    /// Below the field everywhere on its ray [1/length]: nine tenths of the least of many values there.
+    pub fn minimum(&self) -> f64 {
+        let at = |i: u32| self.along()(self.ray.t_max * f64::from(i) / 4096.0);
+        0.9 * (0..=4096).map(at).fold(self.majorant, f64::min)
+    }
+
+    /// The field's mean on its ray [1/length].
+    pub fn mean(&self) -> f64 {
+        self.ray.optical_depth / self.ray.t_max
+    }
+
+    /// The field as a medium for its ray, under its bound times `loose`, and with its controls.
+    pub fn medium<R: Real>(&self, loose: f32) -> Procedural<impl Fn(Vec3<R>) -> R + '_> {
+        let majorant = (self.majorant as f32).next_up() * loose;
+        Procedural::new(per_lane(self.sigma_t()), majorant)
+            .with_control(self.minimum() as f32, self.mean() as f32)
     }
 
     /// E W² of ratio tracking with a constant `majorant` [1/length]; at least σ_t is not needed, positive is.

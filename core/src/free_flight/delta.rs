@@ -87,8 +87,7 @@ impl<R: Real, M: Medium<R>> Process<R, M> for Delta<R, M::Walk> {
     }
     #[inline(always)]
     fn result(&self) -> R {
-        let Flight { t, collided } = self.flight();
-        R::select(collided, t, R::splat(f32::INFINITY))
+        self.flight().or_infinite()
     }
 }
 

@@ -42,6 +42,22 @@ impl<R: Real> GridLayout<R> {
         }
     }
 
+    /// The layout of a table of blocks without samples, a rim of one block around it included:
+    /// `blocks` along each axis without the rim.
+    pub fn of_blocks(blocks: [u32; 3], scale: f32) -> Self {
+        let [nx, ny, _] = blocks;
+        let zero = R::Word::splat(0);
+        let slice = nx.wrapping_add(2).wrapping_mul(ny.wrapping_add(2));
+        Self {
+            samples: zero,
+            strides: [zero; 2],
+            majorants: zero,
+            majorant_strides: [R::Word::splat(nx.wrapping_add(2)), R::Word::splat(slice)],
+            last: Vec3::splat(blocks.map(|n| n.wrapping_mul(BLOCK) as f32)),
+            scale: R::splat(scale),
+        }
+    }
+
     #[inline(always)]
     fn select(mask: R::Mask, a: &Self, b: &Self) -> Self {
         let word = |a, b| R::Word::select(mask, a, b);

@@ -8,11 +8,14 @@ mod dda;
 mod grid;
 mod stages;
 mod tracker;
+mod work;
 
 pub use dda::{GridLayout, GridWalk};
 pub use grid::{BLOCK, MajorantError, MajorantGrid, fill_majorants, majorant_count};
 pub use stages::{Process, Stages};
 pub use tracker::{Advance, Tracker};
+pub(crate) use work::for_each_segment;
+pub use work::{WORK_LIMIT, WorkError, check_work, majorant_depth};
 
 /// A piece of a ray on which one bound holds.
 #[derive(Clone, Copy, Debug)]

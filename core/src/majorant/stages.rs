@@ -3,7 +3,7 @@
 //! A running ray is either *tracking* towards its next tentative collision, or *at* one. A step serves one
 //! stage and all lanes in it; which step runs when is the caller's choice and changes no result.
 
-use crate::majorant::Tracker;
+use crate::majorant::{Advance, Tracker};
 use crate::medium::Medium;
 use crate::ray::Ray;
 use crate::real::{Mask, Real};
@@ -57,12 +57,43 @@ impl<R: Real, W: Clone> Stages<R, W> {
         self.tentative
     }
 
+    /// Begins as [`begin`](Self::begin), with the first tentative collision at a given majorant depth.
+    #[inline(always)]
+    pub fn begin_towards<M: Medium<R, Walk = W>>(
+        &mut self,
+        medium: &M,
+        ray: &Ray<R>,
+        t_max: R,
+        depth: R,
+        active: R::Mask,
+    ) {
+        medium.begin(&mut self.tracker.walk, ray, active);
+        self.tracker.begin_towards(t_max, depth, active);
+        self.tracking = self.tracking | active;
+    }
+
+    /// Sends the active lanes, at a tentative collision, on to the one at a further majorant depth.
+    #[inline(always)]
+    pub fn redirect(&mut self, depth: R, active: R::Mask) {
+        self.tracker.redirect(depth, active);
+        self.tentative = self.tentative.and_not(active);
+        self.tracking = self.tracking | active;
+    }
+
+    /// Ends the rays of the active lanes where they are.
+    #[inline(always)]
+    pub fn finish(&mut self, active: R::Mask) {
+        self.tentative = self.tentative.and_not(active);
+        self.tracking = self.tracking.and_not(active);
+    }
+
     /// Moves every tracking lane to its next tentative collision, its next segment, or out.
     #[inline(always)]
-    pub fn advance<M: Medium<R, Walk = W>>(&mut self, medium: &M) {
+    pub fn advance<M: Medium<R, Walk = W>>(&mut self, medium: &M) -> Advance<R> {
         let advance = self.tracker.advance(medium, self.tracking);
         self.tracking = self.tracking.and_not(advance.left | advance.tentative);
         self.tentative = self.tentative | advance.tentative;
+        advance
     }
 
     /// An estimate of the extinction at the tentative collisions, and its bound [1/length].
@@ -100,6 +131,12 @@ pub trait Process<R: Real, M: Medium<R>> {
         active: R::Mask,
     );
 
+    /// Moves every tracking lane on: to a tentative collision, to its next segment, or out.
+    #[inline(always)]
+    fn advance(&mut self, medium: &M) {
+        self.stages().advance(medium);
+    }
+
     /// Decides the tentative collisions.
     fn collide(&mut self, medium: &M, rng: &mut impl Stream<R>);
 
@@ -111,7 +148,7 @@ pub trait Process<R: Real, M: Medium<R>> {
     fn run(&mut self, medium: &M, rng: &mut impl Stream<R>) {
         loop {
             while self.stages().tracking().any() {
-                self.stages().advance(medium);
+                self.advance(medium);
             }
             if !self.stages().tentative().any() {
                 return;

@@ -1,7 +1,7 @@
 //! Extinction between borrowed samples, interpolated trilinearly, with a certified majorant grid.
 
 use crate::majorant::{GridLayout, GridWalk, MajorantGrid, Segment};
-use crate::medium::Medium;
+use crate::medium::{Control, Controlled, Medium};
 use crate::ray::Ray;
 use crate::real::Real;
 use crate::stream::Stream;
@@ -55,6 +55,16 @@ impl<'a> Grid<'a> {
         })
     }
 
+    /// The map to the space where samples lie at the integers.
+    pub fn world_to_grid(&self) -> &Affine {
+        &self.world_to_grid
+    }
+
+    /// The far corner of the domain in grid space; the near one is the origin.
+    pub fn size(&self) -> [f32; 3] {
+        self.bounds.size::<f32>().lane(0)
+    }
+
     /// A world-space ray in grid space.
     #[inline(always)]
     pub fn to_grid<R: Real>(&self, ray: &Ray<R>) -> Ray<R> {
@@ -100,5 +110,17 @@ impl<R: Real> Medium<R> for Grid<'_> {
     #[inline(always)]
     fn sigma_t(&self, walk: &GridWalk<R>, t: R, rng: &mut impl Stream<R>, active: R::Mask) -> R {
         walk.sigma_t(self.bounds.samples, t, rng, active)
+    }
+}
+
+/// Without tables of controls: a minimum and a mean of zero, which make residual ratio tracking ratio
+/// tracking.
+impl<R: Real> Controlled<R> for Grid<'_> {
+    #[inline(always)]
+    fn control(&self, _: &GridWalk<R>) -> Control<R> {
+        Control {
+            minimum: R::zero(),
+            mean: R::zero(),
+        }
     }
 }

@@ -3,7 +3,7 @@
 use core::fmt;
 
 use crate::majorant::Segment;
-use crate::medium::Medium;
+use crate::medium::{ClosedForm, Control, Controlled, Medium, PiecewiseConstant};
 use crate::ray::{FAR, Ray};
 use crate::real::Real;
 use crate::stream::Stream;
@@ -70,5 +70,29 @@ impl<R: Real> Medium<R> for Homogeneous {
     #[inline(always)]
     fn sigma_t(&self, _: &(), _: R, _: &mut impl Stream<R>, _: R::Mask) -> R {
         R::splat(self.sigma_t)
+    }
+}
+
+impl<R: Real> PiecewiseConstant<R> for Homogeneous {}
+
+impl<R: Real> Controlled<R> for Homogeneous {
+    #[inline(always)]
+    fn control(&self, _: &()) -> Control<R> {
+        Control {
+            minimum: R::splat(self.sigma_t),
+            mean: R::splat(self.sigma_t),
+        }
+    }
+}
+
+/// τ = σ_t t: one rounding each way.
+impl<R: Real> ClosedForm<R> for Homogeneous {
+    #[inline(always)]
+    fn optical_depth(&self, _: &Ray<R>, t: R) -> R {
+        R::splat(self.sigma_t) * t
+    }
+    #[inline(always)]
+    fn distance(&self, _: &Ray<R>, depth: R) -> R {
+        depth / R::splat(self.sigma_t)
     }
 }

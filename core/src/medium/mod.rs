@@ -4,13 +4,27 @@
 //! free flights or transmittance. Each file has one medium; the registry
 //! [`for_each_medium`](crate::for_each_medium) names them for tests and benches.
 
+mod audited;
+mod cells;
+mod emissive;
 mod grid;
 mod homogeneous;
+mod linear;
+mod overlap;
+mod placed;
 mod procedural;
+mod within;
 
+pub use audited::Audited;
+pub use cells::{Cells, CellsError, cell_count, fill_cells};
+pub use emissive::{Emission, Emissive};
 pub use grid::{Affine, Grid, IDENTITY, transform_ray};
 pub use homogeneous::{ExtinctionError, Homogeneous};
+pub use linear::Linear;
+pub use overlap::Overlap;
+pub use placed::Placed;
 pub use procedural::Procedural;
+pub use within::Within;
 
 use crate::majorant::Segment;
 use crate::ray::Ray;
@@ -22,9 +36,48 @@ use crate::stream::Stream;
 macro_rules! for_each_medium {
     ($row:ident) => {
         $row!(homogeneous);
+        $row!(linear);
         $row!(grid);
+        $row!(cells);
         $row!(procedural);
+        $row!(overlap);
+        $row!(placed);
+        $row!(within);
     };
+}
+
+/// What is known of the extinction on a segment besides its bound, per lane.
+#[derive(Clone, Copy, Debug)]
+pub struct Control<R> {
+    /// No estimate of the extinction on the segment lies below [1/length]; not negative.
+    pub minimum: R,
+    /// About the extinction's mean on the segment [1/length], from the minimum to the majorant.
+    /// Its accuracy decides about variance only.
+    pub mean: R,
+}
+
+/// A medium that knows more than a bound of its extinction: what control variates are made of.
+///
+/// Zero is a true minimum everywhere, and any number from it to the bound a mean; what is tighter
+/// saves more.
+pub trait Controlled<R: Real>: Medium<R> {
+    /// The controls of the present segment.
+    fn control(&self, walk: &Self::Walk) -> Control<R>;
+}
+
+/// A medium whose extinction is its bound, constant on each segment.
+///
+/// Implementors have [`Medium::TIGHT`] set.
+pub trait PiecewiseConstant<R: Real>: Medium<R> {}
+
+/// A medium with optical depth in closed form, and the distance to a given one.
+pub trait ClosedForm<R: Real>: Medium<R> {
+    /// τ of `[0, t)` on each lane's ray; `t` not negative \[length\].
+    fn optical_depth(&self, ray: &Ray<R>, t: R) -> R;
+    /// The t with optical depth `depth`, infinite where the ray never collects it \[length\].
+    ///
+    /// * `depth`: positive and finite.
+    fn distance(&self, ray: &Ray<R>, depth: R) -> R;
 }
 
 /// What tracking asks of a medium, per lane.

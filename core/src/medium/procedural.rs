@@ -1,7 +1,7 @@
 //! Extinction by a function of the place, under one bound for all of it.
 
 use crate::majorant::Segment;
-use crate::medium::Medium;
+use crate::medium::{Control, Controlled, Medium};
 use crate::ray::{FAR, Ray};
 use crate::real::Real;
 use crate::stream::Stream;
@@ -12,6 +12,8 @@ use crate::vec3::Vec3;
 pub struct Procedural<F> {
     sigma_t: F,
     majorant: f32,
+    minimum: f32,
+    mean: f32,
 }
 
 impl<F> Procedural<F> {
@@ -24,7 +26,31 @@ impl<F> Procedural<F> {
             majorant >= 0.0 && majorant.is_finite(),
             "majorant {majorant}"
         );
-        Self { sigma_t, majorant }
+        Self {
+            sigma_t,
+            majorant,
+            minimum: 0.0,
+            mean: 0.0,
+        }
+    }
+
+    /// Adds what control variates want to know.
+    ///
+    /// * `minimum`: below the extinction wherever rays go [1/length]; one that is not biases
+    ///   decomposition tracking, which takes it for granted.
+    /// * `mean`: about the extinction's mean there [1/length]; any number from the minimum to the
+    ///   majorant is valid, a good one saves variance.
+    pub fn with_control(self, minimum: f32, mean: f32) -> Self {
+        debug_assert!(
+            0.0 <= minimum && minimum <= mean && mean <= self.majorant,
+            "controls {minimum}, {mean} under {}",
+            self.majorant
+        );
+        Self {
+            minimum,
+            mean,
+            ..self
+        }
     }
 }
 
@@ -56,5 +82,15 @@ impl<R: Real, F: Fn(Vec3<R>) -> R> Medium<R> for Procedural<F> {
     #[inline(always)]
     fn sigma_t(&self, walk: &Ray<R>, t: R, _: &mut impl Stream<R>, _: R::Mask) -> R {
         (self.sigma_t)(walk.at(t))
+    }
+}
+
+impl<R: Real, F: Fn(Vec3<R>) -> R> Controlled<R> for Procedural<F> {
+    #[inline(always)]
+    fn control(&self, _: &Ray<R>) -> Control<R> {
+        Control {
+            minimum: R::splat(self.minimum),
+            mean: R::splat(self.mean),
+        }
     }
 }

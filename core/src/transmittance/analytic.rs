@@ -1,13 +1,14 @@
-//! Transmittance in closed form, for a homogeneous medium: T = e^(−σ_t t_max), without variance.
+//! Transmittance in closed form: T = e^−τ, without variance, wherever τ is known.
 
-use crate::medium::Homogeneous;
+use crate::medium::ClosedForm;
+use crate::ray::Ray;
 use crate::real::Real;
 
 /// The transmittance of `[0, t_max)`, per lane; exact up to rounding (1 ulp of `exp`, and the
-/// relative error 6e-8 of the optical depth times that depth).
+/// relative error of the optical depth, 6e-8 in homogeneous media, times that depth).
 #[inline(always)]
-pub fn estimate<R: Real>(medium: &Homogeneous, t_max: R) -> R {
-    through(R::splat(medium.extinction()), t_max)
+pub fn estimate<R: Real>(medium: &impl ClosedForm<R>, ray: &Ray<R>, t_max: R) -> R {
+    (-medium.optical_depth(ray, t_max)).exp()
 }
 
 /// e^(−σ_t t): the same for an extinction that differs per lane [1/length].

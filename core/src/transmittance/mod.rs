@@ -4,10 +4,30 @@
 //! [`for_each_transmittance`](crate::for_each_transmittance) names them for tests and benches. The
 //! estimators by tracking differ only in what a tentative collision does to the weight, a
 //! [`Rule`]; the walk is shared.
+//!
+//! | estimator | unbiased | relative variance | look-ups | estimates |
+//! |---|---|---|---|---|
+//! | [`analytic`] | yes | 0 | 0 | exact |
+//! | [`regular`] | yes | 0 | 0 (visits every cell) | exact |
+//! | [`delta`] | yes | e^τ − 1 | ∫σ̄T dt | 0 or 1 |
+//! | [`ratio`] | yes | exp(∫σ_t²/σ̄ dt) − 1 | ∫σ̄ dt | in \[0, 1\] |
+//! | [`residual_ratio`] | yes | exp(∫(σ_t − c)²/r dt) − 1 | ∫r dt, r ≥ \|σ_t − c\| | not negative |
+//! | [`comb`] | yes | below delta's over n | at most n ∫σ̄T dt | in \[0, 1\] |
+//! | [`power_series`] | yes | falls fast with the number of points | about τ̄ + 4 | any sign |
+//! | [`ray_marching`] | **BIASED** | small | n | in (0, 1\] |
+//!
+//! Take closed forms where there are any. On grids residual ratio tracking is the safe choice, and
+//! power series win on smooth or noisy media that fill the ray; delta tracking where only the
+//! visibility of opaque media matters.
 
 pub mod analytic;
+pub mod comb;
 pub mod delta;
+pub mod power_series;
 pub mod ratio;
+pub mod ray_marching;
+pub mod regular;
+pub mod residual_ratio;
 
 use core::marker::PhantomData;
 
@@ -17,13 +37,17 @@ use crate::ray::Ray;
 use crate::real::{Mask, Real};
 use crate::stream::Stream;
 
-/// Calls `$row!(name)` for each file of this folder.
+/// Calls `$row!(name)` for each file of this folder that holds an unbiased estimator.
 #[macro_export]
 macro_rules! for_each_transmittance {
     ($row:ident) => {
         $row!(analytic);
+        $row!(comb);
         $row!(delta);
+        $row!(power_series);
         $row!(ratio);
+        $row!(regular);
+        $row!(residual_ratio);
     };
 }
 

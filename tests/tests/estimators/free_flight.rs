@@ -14,6 +14,7 @@ use woodcock_tests::each_width;
 use woodcock_tests::fixtures;
 use woodcock_tests::grids::{Chord, TestGrid, chord, map_point, map_vector};
 use woodcock_tests::mutants::{FLIGHTS, Profile};
+use woodcock_tests::rows::Serves;
 use woodcock_tests::rows::free_flight as rows;
 use woodcock_tests::rows::free_flight::Sampler;
 use woodcock_tests::stats::independent::SplitMix;
@@ -101,10 +102,7 @@ fn through<T: Sampler, R: Real, S: KeyedStream<R>>(
     pixel: u32,
     loose: f32,
 ) -> Vec<f64> {
-    let medium = Procedural::new(
-        per_lane::<R>(fixture.sigma_t()),
-        (fixture.majorant as f32).next_up() * loose,
-    );
+    let medium = fixture.medium::<R>(loose);
     let along: Ray<R> = ray(fixture.ray.origin, fixture.ray.dir);
     let end = R::splat(fixture.ray.t_max as f32);
     collect::<R, S>(seed(12), pixel, samples(PATHS), |rng| {
@@ -113,7 +111,7 @@ fn through<T: Sampler, R: Real, S: KeyedStream<R>>(
 }
 
 fn fields<T: Sampler>() {
-    if !T::ANY_MEDIUM {
+    if T::SERVES != Serves::Any {
         return;
     }
     for (pixel, fixture) in (0..).zip(fixtures::all()) {
@@ -179,7 +177,7 @@ fn awkward(dims: [u32; 3]) -> Vec<(&'static str, Chord)> {
 }
 
 fn grids<T: Sampler>() {
-    if !T::ANY_MEDIUM {
+    if T::SERVES != Serves::Any {
         return;
     }
     let dims = [21, 18, 17];
@@ -210,7 +208,7 @@ fn grids<T: Sampler>() {
 
 /// A grid turned, stretched and moved: t stays a length of the world.
 fn placed<T: Sampler>() {
-    if !T::ANY_MEDIUM {
+    if T::SERVES != Serves::Any {
         return;
     }
     let grid = TestGrid::random([17, 25, 33], 34, 0.3);

@@ -3,7 +3,10 @@
 use woodcock_core::for_each_medium;
 use woodcock_core::majorant::GridLayout;
 use woodcock_core::majorant::GridWalk;
-use woodcock_core::medium::{Affine, Grid, Homogeneous, IDENTITY, Medium, Procedural};
+use woodcock_core::medium::{
+    Affine, Cells, Controlled, Grid, Homogeneous, IDENTITY, Linear, Medium, Overlap, Placed,
+    Procedural, Within, cell_count, fill_cells,
+};
 use woodcock_core::ray::Ray;
 use woodcock_core::real::{Mask, Real};
 use woodcock_core::stream::{KeyedStream, PathStream};
@@ -19,7 +22,7 @@ use woodcock_tests::widths::{everyone, per_lane, ray, sample, width};
 /// A question that is put to every case of every row.
 trait Question<R: Real> {
     /// * `sigma_t`: the extinction at a world-space place, by an oracle.
-    fn ask<M: Medium<R>>(
+    fn ask<M: Controlled<R>>(
         &mut self,
         name: &str,
         medium: &M,
@@ -99,7 +102,8 @@ mod rows {
             for fixture in fixtures::all().iter().step_by(4) {
                 let field = fixture.sigma_t();
                 let bound = (fixture.majorant as f32).next_up();
-                let medium = Procedural::new(per_lane::<R>(fixture.sigma_t()), bound);
+                let medium = Procedural::new(per_lane::<R>(fixture.sigma_t()), bound)
+                    .with_control(fixture.minimum() as f32, fixture.mean() as f32);
                 let chord = Chord {
                     origin: fixture.ray.origin.map(|v| f64::from(v as f32)),
                     direction: fixture.ray.dir.map(|v| f64::from(v as f32)),
@@ -110,7 +114,156 @@ mod rows {
         }
     }
 
+    /// σ₀ and gradient of ramps; the last two are zero somewhere on their way.
+    pub(super) const RAMPS: [(f32, [f32; 3]); 5] = [
+        (2.0, [0.0; 3]),
+        (0.5, [0.3, 0.0, 0.1]),
+        (3.0, [-0.1, 0.05, -0.2]),
+        (0.4, [-0.1, -0.1, -0.1]),
+        (-1.0, [0.2, 0.3, 0.01]),
+    ];
+
+    pub(super) struct Ramp;
+    impl Row for Ramp {
+        fn put<R: Real>(question: &mut impl Question<R>) {
+            for (offset, gradient) in RAMPS {
+                let medium = Linear::new(offset, gradient).expect("a finite ramp");
+                let at = |p: [f64; 3]| {
+                    let slope: f64 = (0..3).map(|a| f64::from(gradient[a]) * p[a]).sum();
+                    (f64::from(offset) + slope).max(0.0)
+                };
+                for direction in AXES {
+                    let chord = chord([9, 9, 9], [4.0, 3.0, 2.0], direction);
+                    question.ask(&format!("ramp {offset} {gradient:?}"), &medium, &at, &chord);
+                }
+            }
+        }
+    }
+
+    /// Cells with their table.
+    pub(super) struct Blocks {
+        dims: [u32; 3],
+        table: Vec<f32>,
+    }
+    impl Blocks {
+        pub(super) fn random(dims: [u32; 3], seed: u64) -> Self {
+            let mut rng = SplitMix::new(seed);
+            let count = dims.iter().product::<u32>() as usize;
+            let value = |_| {
+                if rng.uniform() < 0.3 {
+                    0.0
+                } else {
+                    rng.uniform() as f32
+                }
+            };
+            let values: Vec<f32> = (0..count).map(value).collect();
+            let mut table = vec![f32::NAN; cell_count(dims).expect("few cells")];
+            fill_cells(&values, dims, &mut table).expect("lengths that fit");
+            Self { dims, table }
+        }
+        pub(super) fn at(&self, p: [f64; 3]) -> f64 {
+            let [x, y, z] = p.map(|v| v.floor() as usize + 1);
+            let [nx, ny, _] = self.dims.map(|n| n as usize + 2);
+            f64::from(self.table[x + nx * (y + ny * z)])
+        }
+        pub(super) fn medium(&self, world_to_grid: Affine, scale: f32) -> Cells<'_> {
+            Cells::new(&self.table, self.dims, world_to_grid, scale).expect("valid cells")
+        }
+    }
+
+    pub(super) struct OfCells;
+    impl Row for OfCells {
+        fn put<R: Real>(question: &mut impl Question<R>) {
+            for dims in [[8, 8, 8], [1, 1, 1], [13, 2, 5]] {
+                let blocks = Blocks::random(dims, 61);
+                let medium = blocks.medium(IDENTITY, 3.0);
+                let middle = dims.map(|n| 0.4143 * f64::from(n));
+                for direction in AXES {
+                    let chord = chord(dims.map(|n| n + 1), middle, direction);
+                    question.ask("cells", &medium, &|p| 3.0 * blocks.at(p), &chord);
+                }
+            }
+        }
+    }
+
+    pub(super) struct Sum;
+    impl Row for Sum {
+        fn put<R: Real>(question: &mut impl Question<R>) {
+            let grid = TestGrid::random([17, 18, 19], 62, 0.4);
+            let fog = Homogeneous::new(0.25).expect("a valid extinction");
+            let ramp = Linear::new(0.5, [0.1, 0.0, 0.05]).expect("a finite ramp");
+            let medium = Overlap(Overlap(fog, grid.medium(IDENTITY, 2.0)), ramp);
+            let at = |p: [f64; 3]| 0.25 + 2.0 * grid.at(p) + 0.5 + 0.1 * p[0] + 0.05 * p[2];
+            for direction in AXES {
+                let chord = chord(grid.dims, [8.0, 7.5, 9.0], direction);
+                question.ask("fog, grid and ramp", &medium, &at, &chord);
+            }
+        }
+    }
+
+    pub(super) struct Moved;
+    impl Row for Moved {
+        fn put<R: Real>(question: &mut impl Question<R>) {
+            for (offset, gradient) in RAMPS {
+                let ramp = Linear::new(offset, gradient).expect("a finite ramp");
+                let medium = Placed::new(ramp, PLACED).expect("a finite map");
+                let at = |p: [f64; 3]| {
+                    let q = map_point(&PLACED, p);
+                    let slope: f64 = (0..3).map(|a| f64::from(gradient[a]) * q[a]).sum();
+                    (f64::from(offset) + slope).max(0.0)
+                };
+                for direction in AXES {
+                    let chord = chord([9, 9, 9], [4.0, 3.0, 2.0], direction);
+                    question.ask("placed ramp", &medium, &at, &chord);
+                }
+            }
+        }
+    }
+
+    pub(super) struct Boxed;
+    impl Row for Boxed {
+        fn put<R: Real>(question: &mut impl Question<R>) {
+            let grid = TestGrid::random([9, 10, 17], 63, 0.2);
+            let map = [
+                [1.0, 0.0, 0.0, -3.0],
+                [0.0, 1.0, 0.0, -2.5],
+                [0.0, 0.0, 1.0, -4.0],
+            ];
+            let medium = Within::domain(grid.medium(map, 1.5));
+            let at = |p: [f64; 3]| {
+                let q = [p[0] - 3.0, p[1] - 2.5, p[2] - 4.0];
+                let inside = (0..3).all(|a| q[a] >= 0.0 && q[a] <= f64::from(grid.dims[a] - 1));
+                if inside { 1.5 * grid.at(q) } else { 0.0 }
+            };
+            // Through the box, and past it.
+            for (through, direction) in [
+                ([8.0, 6.0, 11.0], [0.6, 0.48, 0.64]),
+                ([8.0, 6.0, 11.0], [-1.0, 1e-7, 1.0]),
+                ([8.0, 6.0, 11.0], [0.0, -1.0, 0.0]),
+                ([1.0, 1.0, 11.0], [0.0, 0.0, 1.0]),
+            ] {
+                let chord = chord([18, 18, 26], through, direction);
+                question.ask("grid in its box", &medium, &at, &chord);
+            }
+            let fog = Homogeneous::new(2.0).expect("a valid extinction");
+            let medium = Within::aligned(fog, [1.0, 2.0, 3.0], [4.0, 5.0, 9.5]).expect("a box");
+            let at = |p: [f64; 3]| {
+                let low = [1.0, 2.0, 3.0];
+                let high = [4.0, 5.0, 9.5];
+                let inside = (0..3).all(|a| p[a] >= low[a] && p[a] <= high[a]);
+                if inside { 2.0 } else { 0.0 }
+            };
+            let chord = chord([10, 10, 10], [2.0, 3.0, 4.0], [0.5, 0.3, 0.8]);
+            question.ask("fog in a box", &medium, &at, &chord);
+        }
+    }
+
     // The suite's name for each row of the registry.
+    pub(super) type linear = Ramp;
+    pub(super) type cells = OfCells;
+    pub(super) type overlap = Sum;
+    pub(super) type placed = Moved;
+    pub(super) type within = Boxed;
     pub(super) type homogeneous = Fog;
     pub(super) type grid = OnGrid;
     pub(super) type procedural = Formula;
@@ -123,7 +276,7 @@ struct Bounds<S> {
 }
 
 impl<R: Real, S: KeyedStream<R>> Question<R> for Bounds<S> {
-    fn ask<M: Medium<R>>(
+    fn ask<M: Controlled<R>>(
         &mut self,
         name: &str,
         medium: &M,
@@ -148,6 +301,9 @@ impl<R: Real, S: KeyedStream<R>> Question<R> for Bounds<S> {
                     "{name}: {sigma_t:?} above {segment:?}"
                 );
                 assert!(R::zero().le(sigma_t).all(), "{name}: {sigma_t:?}");
+                let low = medium.control(&walk);
+                let known = low.minimum.le(sigma_t) & low.minimum.le(segment.majorant);
+                assert!(known.all(), "{name}: {sigma_t:?} below {low:?}");
                 if M::TIGHT {
                     assert!(
                         sigma_t.eq(segment.majorant).all(),
@@ -179,7 +335,7 @@ impl<R: Real, S: KeyedStream<R>> Question<R> for Bounds<S> {
 struct Means<S>(std::marker::PhantomData<S>);
 
 impl<R: Real, S: KeyedStream<R>> Question<R> for Means<S> {
-    fn ask<M: Medium<R>>(
+    fn ask<M: Controlled<R>>(
         &mut self,
         name: &str,
         medium: &M,

@@ -168,8 +168,8 @@ fn closed_form_bundles() {
                 assert_eq!(usage.tentative_collisions, landed as u64);
                 assert!(out[landed..].iter().all(|x| x.is_nan()));
                 same("closed form", &out[..landed], |i| {
-                    let (_, mut rng) = scalar(&rays[i]);
-                    distance(analytic::sample(&fog, rays[i].t_max, &mut rng, true))
+                    let (along, mut rng) = scalar(&rays[i]);
+                    distance(analytic::sample(&fog, &along, rays[i].t_max, &mut rng, true))
                 });
             }
         }
