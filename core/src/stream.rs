@@ -67,79 +67,126 @@ pub trait Stream<R: Real> {
         R::from_word(self.next_word(active).shr(8)) * R::splat(1.0 / 16_777_216.0)
     }
 
-    /// Uniform in [0, 1) from 32 bits kept to 24 significant ones: small numbers keep a relative
-    /// precision that [`uniform`](Self::uniform) lacks, and so rare events their probability. One draw.
+    /// Uniform in [0, 1) with 24 significant bits however small it is: a rare event keeps its
+    /// probability, which [`uniform`](Self::uniform) denies it.
+    ///
+    /// P(u < x) = x within a relative 2⁻²³ for all real x in [2⁻¹⁰⁴, 1], and within 2⁻¹²⁸ below. One
+    /// draw, with probability 2⁻⁸ a second, with 2⁻⁴⁰ a third.
     #[inline(always)]
     fn uniform_fine(&mut self, active: R::Mask) -> R {
-        fraction::<R>(self.next_word(active))
+        let word = self.next_word(active);
+        if (is_at_an_end::<R>(word) & active).any() {
+            return uniform_ends::<R, Self>(self, active, word);
+        }
+        fraction::<R>(word)
     }
 
-    /// Exponentially distributed with mean one: a free flight in mean free paths. One draw, more with
-    /// probability 6e-8.
+    /// Exponentially distributed with mean one: a free flight in mean free paths. One draw, with
+    /// probability 2⁻⁸ more.
     ///
-    /// u has 32 bits kept to 24 significant, and the result is −ln(1 − u). At the upper end, where
-    /// the top 24 bits are all ones, the law has no memory: add 24 ln 2 and begin anew. At the
-    /// lower end, where all bits are zero, u = 2⁻³² u' with the next u'. So no mass sits on zero,
-    /// and there is no longest flight.
+    /// The result is −ln(1 − u) with u as in [`uniform_fine`](Self::uniform_fine), so that the
+    /// shortest flights have their probability, to the digits stated there. At the upper end, where
+    /// the top 24 bits of u are all ones, the law has no memory: add 24 ln 2 and begin anew. So no
+    /// mass sits on zero, and there is no longest flight.
     #[inline(always)]
     fn exponential(&mut self, active: R::Mask) -> R {
         let word = self.next_word(active);
-        let u = fraction::<R>(word);
-        let rare = (is_zero::<R>(word) | is_top::<R>(word)) & active;
-        if rare.any() {
-            return exponential_ends::<R, Self>(self, active, word, u);
+        if (is_at_an_end::<R>(word) & active).any() {
+            return exponential_ends::<R, Self>(self, active, word);
         }
-        u.neg_ln_1m()
+        fraction::<R>(word).neg_ln_1m()
     }
 }
 
+/// Whether a word is [low](is_low) or at the [top](is_top), in one comparison, as every draw asks.
 #[inline(always)]
-fn is_zero<R: Real>(word: R::Word) -> R::Mask {
-    word.eq(R::Word::splat(0))
+fn is_at_an_end<R: Real>(word: R::Word) -> R::Mask {
+    // The top 2⁸ words wrap around to the bottom.
+    (word + R::Word::splat(1 << 8))
+        .shr(24)
+        .eq(R::Word::splat(0))
 }
 
+/// Whether a word is below 2²⁴ − 2⁸, where one more or less of it is more than the rounding to 24 bits.
+#[inline(always)]
+fn is_low<R: Real>(word: R::Word) -> R::Mask {
+    is_at_an_end::<R>(word).and_not(is_top::<R>(word))
+}
+
+/// Whether the top 24 bits of a word are all ones: its fraction is next to one or rounded to it.
 #[inline(always)]
 fn is_top<R: Real>(word: R::Word) -> R::Mask {
     word.shr(8).eq(R::Word::splat(0x00ff_ffff))
 }
 
-/// The word as a fraction of 2³², rounded to 24 significant bits, below one.
+/// The word as a fraction of 2³², rounded to 24 significant bits: in [0, 1].
 #[inline(always)]
 fn fraction<R: Real>(word: R::Word) -> R {
     let high = R::from_word(word.shr(16)) * R::splat(1.0 / 65_536.0);
-    let low = R::from_word(word & R::Word::splat(0xffff)) * R::splat(1.0 / 4_294_967_296.0);
-    (high + low).min(R::splat(1.0 - 1.0 / 16_777_216.0))
+    let low = R::from_word(word & R::Word::splat(0xffff)) * R::splat(GRAIN);
+    high + low
 }
 
-/// The lanes at one of the two ends of the exponential law draw again until they have left it.
+/// 2⁻³²: what the last bit of a word stands for.
+const GRAIN: f32 = 1.0 / 4_294_967_296.0;
+
+/// The word as a fraction of 2³²; where it is low, its digits go on in words drawn anew.
+///
+/// ```text
+/// u = (word + next · 2⁻³²) · 2⁻³², and where word = 0 and next is low: (next + another · 2⁻³²) · 2⁻⁶⁴ …
+/// ```
+///
+/// These are the first words of a number with endless random digits, as many as its rounding to 24
+/// bits can tell. Rounding keeps their order, so that counting words gives the distribution.
+#[inline(always)]
+fn refined<R: Real, S: Stream<R> + ?Sized>(
+    stream: &mut S,
+    active: R::Mask,
+    mut word: R::Word,
+) -> R {
+    let mut u = fraction::<R>(word);
+    let mut low = is_low::<R>(word) & active;
+    let mut scale = R::one();
+    // The fourth word stands for multiples of 2⁻¹²⁸, where f32 itself is about to end.
+    let mut rounds = 3;
+    while low.any() && rounds > 0 {
+        rounds -= 1;
+        scale = scale * R::splat(GRAIN);
+        let next = stream.next_word(low);
+        u = R::select(low, (R::from_word(word) + fraction::<R>(next)) * scale, u);
+        low = low & word.eq(R::Word::splat(0)) & is_low::<R>(next);
+        word = next;
+    }
+    u
+}
+
+/// [`Stream::uniform_fine`] where a lane is at an end.
+#[cold]
+#[inline(never)]
+fn uniform_ends<R: Real, S: Stream<R> + ?Sized>(
+    stream: &mut S,
+    active: R::Mask,
+    word: R::Word,
+) -> R {
+    refined(stream, active, word).min(R::splat(1.0 - 1.0 / 16_777_216.0))
+}
+
+/// [`Stream::exponential`] where a lane is at an end: those at the top draw until they have left it.
 #[cold]
 #[inline(never)]
 fn exponential_ends<R: Real, S: Stream<R> + ?Sized>(
     stream: &mut S,
     active: R::Mask,
     mut word: R::Word,
-    mut u: R,
 ) -> R {
     let mut offset = R::zero();
     let mut top = is_top::<R>(word) & active;
     while top.any() {
         offset = R::select(top, offset + R::splat(16.635_532), offset); // 24 ln 2
         word = R::Word::select(top, stream.next_word(top), word);
-        u = R::select(top, fraction::<R>(word), u);
         top = is_top::<R>(word) & top;
     }
-    let mut zero = is_zero::<R>(word) & active;
-    let mut scale = R::one();
-    // Below 2⁻⁹⁶ no f32 optical depth can tell the difference.
-    let mut rounds = 3;
-    while zero.any() && rounds > 0 {
-        rounds -= 1;
-        scale = R::select(zero, scale * R::splat(1.0 / 4_294_967_296.0), scale);
-        word = R::Word::select(zero, stream.next_word(zero), word);
-        u = R::select(zero, fraction::<R>(word) * scale, u);
-        zero = is_zero::<R>(word) & zero;
-    }
-    offset + u.neg_ln_1m()
+    offset + refined(stream, active, word).neg_ln_1m()
 }
 
 /// The stream of one path: rand_pcg's PCG32.
@@ -186,9 +233,6 @@ impl<R: Real<Mask = bool, Word = Word32>> KeyedStream<R> for PathStream {
 mod tests {
     use super::*;
 
-    /// 2⁻³².
-    const GRAIN: f32 = 1.0 / 4_294_967_296.0;
-
     /// A stream that gives the words it is told to, to look at both ends of a law.
     struct Words<'a>(&'a [u32]);
     impl Stream<f32> for Words<'_> {
@@ -202,28 +246,53 @@ mod tests {
         Stream::<f32>::exponential(&mut Words(words), true)
     }
 
+    fn uniform_fine(words: &[u32]) -> f32 {
+        Stream::<f32>::uniform_fine(&mut Words(words), true)
+    }
+
     #[test]
-    fn exponential_is_right_at_both_ends() {
-        // The smallest words keep their digits …
-        assert_eq!(exponential(&[1]), GRAIN);
-        assert_eq!(exponential(&[3]), 3.0 * GRAIN);
-        // … zero goes on below them, twice if need be …
-        assert_eq!(exponential(&[0, 1 << 31]), GRAIN / 2.0);
-        assert_eq!(exponential(&[0, 0, 1 << 31]), GRAIN * GRAIN / 2.0);
-        // … and the top has no end.
+    fn small_numbers_keep_their_digits() {
+        let half = 1 << 31;
+        // Where grains are finer than the rounding, one word is enough; `Words` has no more.
+        assert_eq!(uniform_fine(&[0x0100_0000]), 1.0 / 256.0);
+        assert_eq!(uniform_fine(&[0x00ff_ff00]), 16_776_960.0 * GRAIN);
+        // Below that, the next word is the rest of a grain …
+        assert_eq!(uniform_fine(&[0x007f_ffff, half]), 8_388_607.5 * GRAIN);
+        assert_eq!(uniform_fine(&[3, half]), 3.5 * GRAIN);
+        assert_eq!(uniform_fine(&[1, 1]), GRAIN);
+        assert_eq!(uniform_fine(&[1, u32::MAX]), 2.0 * GRAIN);
+        // … and nothing but it after a zero, again with a next word where it is small.
+        assert_eq!(uniform_fine(&[0, half]), GRAIN / 2.0);
+        assert_eq!(uniform_fine(&[0, 3, half]), 3.5 * GRAIN * GRAIN);
+        assert_eq!(uniform_fine(&[0, 0, half]), GRAIN * GRAIN / 2.0);
+        let smallest = GRAIN * GRAIN * GRAIN * GRAIN;
+        assert_eq!(uniform_fine(&[0, 0, 0, 1]), smallest);
+        assert_eq!(uniform_fine(&[0, 0, 0, 0]), 0.0);
+        assert_eq!(exponential(&[3, half]), 3.5 * GRAIN);
+        assert_eq!(exponential(&[0, 0, 0, 1]), smallest);
+    }
+
+    #[test]
+    fn the_longest_flight_has_a_longer_one() {
+        use core::f32::consts::LN_2;
         let longest = exponential(&[0xffff_feff]);
         assert!((15.9..16.7).contains(&longest), "{longest}");
         let next = exponential(&[0xffff_ff00, 1 << 31]);
-        assert!((next - (24.0 + 1.0) * core::f32::consts::LN_2).abs() < 2e-6);
+        assert!((next - 25.0 * LN_2).abs() < 2e-6);
         let far = exponential(&[0xffff_ffff, 0xffff_ffff, 1 << 31]);
-        assert!((far - 49.0 * core::f32::consts::LN_2).abs() < 4e-6);
+        assert!((far - 49.0 * LN_2).abs() < 4e-6);
+        // What begins anew may be small: it goes on downwards as any other.
+        let little = exponential(&[0xffff_ffff, 0, 0, 77, 1]);
+        assert!((little - 24.0 * LN_2).abs() < 2e-6);
     }
 
     #[test]
     fn uniform_stays_below_one() {
         assert!(Stream::<f32>::uniform(&mut Words(&[u32::MAX]), true) < 1.0);
-        assert!(Stream::<f32>::uniform_fine(&mut Words(&[u32::MAX]), true) < 1.0);
-        assert_eq!(Stream::<f32>::uniform_fine(&mut Words(&[1]), true), GRAIN);
+        for top in [0xffff_ff00, 0xffff_ff7f, 0xffff_ff80, u32::MAX] {
+            assert_eq!(uniform_fine(&[top]), 1.0_f32.next_down());
+        }
+        assert_eq!(uniform_fine(&[0xffff_feff]), 1.0_f32.next_down());
     }
 
     #[test]

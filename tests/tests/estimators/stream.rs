@@ -1,7 +1,6 @@
-//! Random streams: the exponential law at both ends by enumeration, uniforms in their range, keys that share nothing.
+//! Random streams: uniforms in their range, lanes that draw what their paths draw, laws in the large.
 //!
-//! Statistics cannot see the ends of a law, where it happens once in 2³² draws. But the map from words to numbers is
-//! monotone, so its distribution function follows from a search for the word where it passes x.
+//! The ends of the laws are proved by enumeration in `ends`; that keys share nothing is looked for in `keys`.
 
 use woodcock_core::real::{Real, Word32};
 use woodcock_core::stream::{Key, KeyedStream, PathStream, Stream};
@@ -14,6 +13,7 @@ use woodcock_tests::stats::{
 };
 use woodcock_tests::widths::{collect, everyone, sample, width};
 
+mod ends;
 mod keys;
 
 /// A stream that gives the words it is told to.
@@ -31,164 +31,31 @@ fn exponential(words: &[u32]) -> f32 {
     Stream::<f32>::exponential(&mut Words(words), true)
 }
 
-/// The flight of a word that is at neither end.
-fn first_level(word: u32) -> f32 {
-    exponential(&[word])
-}
-
-/// Words whose draw ends with them: not zero, and not all ones in the top 24 bits.
-const INNER: std::ops::Range<u32> = 1..0xffff_ff00;
-
-/// How many inner words give a flight below `x`.
-fn words_below(x: f64) -> u64 {
-    let (mut low, mut high) = (u64::from(INNER.start), u64::from(INNER.end));
-    while low < high {
-        let middle = (low + high) / 2;
-        if f64::from(first_level(middle as u32)) < x {
-            low = middle + 1;
-        } else {
-            high = middle;
-        }
-    }
-    low - u64::from(INNER.start)
-}
-
+/// 2³²: how many words there are.
 const WORDS: f64 = 4_294_967_296.0;
-
-/// P(E < x) by enumeration, for x of at least 2⁻³² and below 24 ln 2: zero lies below, the top above.
-fn below(x: f64) -> f64 {
-    (words_below(x) + 1) as f64 / WORDS
-}
-
-#[test]
-fn the_lower_end_has_the_right_probability() {
-    // A collision before τ = k · 2⁻³² has k of 2³² words, as many as 1 − e^−τ says but for the curvature of e …
-    for k in 1..2000 {
-        let x = f64::from(k) / WORDS;
-        let exact = -(-x).exp_m1() * WORDS;
-        let counted = (words_below(x) + 1) as f64;
-        assert!(
-            (counted - exact).abs() <= 1e-3,
-            "{counted} words for {exact}"
-        );
-    }
-    // … and between the marks the count is the next whole number: an excess of less than one word in all of 2³².
-    for x in [1e-9, 3.3e-9, 1.7e-8, 4.1e-7, 2.9e-5, 1.1e-3] {
-        let exact = -f64::exp_m1(-x) * WORDS;
-        let excess = (words_below(x) + 1) as f64 - exact;
-        assert!(
-            (-1e-7 * exact..1.0 + 1e-7 * exact).contains(&excess),
-            "{excess} words at {x:e}"
-        );
-    }
-    // Below the first mark lies the second level, a copy of the first on a scale of 2⁻³², and below that the third.
-    for (word, expected) in [
-        (1_u32, 1.0),
-        (77, 77.0),
-        (1 << 31, 2_147_483_648.0),
-        (0xffff_ff00, 4_294_967_040.0),
-    ] {
-        let second = f64::from(exponential(&[0, word]));
-        assert!(
-            (second / (expected / WORDS / WORDS) - 1.0).abs() < 1e-6,
-            "{second:e}"
-        );
-        let third = f64::from(exponential(&[0, 0, word]));
-        assert!(
-            (third / (expected / WORDS / WORDS / WORDS) - 1.0).abs() < 1e-6,
-            "{third:e}"
-        );
-    }
-    assert!(exponential(&[0, 0, 0, 1]) > 0.0, "no mass on zero");
-}
-
-#[test]
-fn the_whole_first_level_has_the_right_distribution() {
-    let mut x = 2.0_f64.powi(-32);
-    while x < 16.5 {
-        let (p, exact) = (below(x), -(-x).exp_m1());
-        // One word, and the rounding of numbers of 24 bits.
-        let allowed = 1.0 / WORDS + exact * 1.3e-7;
-        assert!(
-            (p - exact).abs() <= allowed,
-            "P(E < {x:e}) = {p:e}, not {exact:e}"
-        );
-        // The same from above, where the tail is what matters: half a step of u = 1 − 2⁻²⁴ k.
-        let (q, tail) = (1.0 - p, (-x).exp());
-        assert!(
-            (q - tail).abs() <= 1.0 / 33_554_432.0 + 2e-7 * tail,
-            "P(E ≥ {x:e}) = {q:e}, not {tail:e}"
-        );
-        x *= 1.013;
-    }
-}
-
-#[test]
-fn the_first_level_is_monotone() {
-    let mut rng = SplitMix::new(51);
-    let last = u64::from(INNER.end - 2);
-    let check = |word: u32| {
-        let (low, high) = (first_level(word), first_level(word + 1));
-        // The logarithm may fall back by its last digit, as `elementary.rs` counts; no more.
-        assert!(
-            high >= low.next_down(),
-            "words {word:#x}: {low:e}, then {high:e}"
-        );
-    };
-    for _ in 0..1 << 20 {
-        check((rng.bits() % last) as u32 + 1);
-    }
-    for word in (1..5000).chain(INNER.end - 5000..INNER.end - 1) {
-        check(word);
-    }
-}
-
-#[test]
-fn the_upper_end_has_no_memory() {
-    let longest = f64::from(first_level(INNER.end - 1));
-    let start = 24.0 * std::f64::consts::LN_2;
-    assert!((start - 1.0..start + 1e-5).contains(&longest), "{longest}");
-    for top in [0xffff_ff00, 0xffff_ff80, 0xffff_ffff] {
-        for word in [1, 1 << 10, 1 << 24, 1 << 31, 0xffff_fe00] {
-            let first = f64::from(first_level(word));
-            for levels in 1..4 {
-                let mut words = vec![top; levels];
-                words.push(word);
-                let expected = levels as f64 * start + first;
-                let got = f64::from(exponential(&words));
-                assert!(
-                    (got - expected).abs() <= 3e-7 * expected,
-                    "{levels} levels, {word:#x}: {got} for {expected}"
-                );
-            }
-            // Above the top, zero is a flight of exactly the offset and a little: it draws again too.
-            let got = f64::from(exponential(&[top, 0, word]));
-            assert!((got - start).abs() <= 3e-6, "{got}");
-        }
-    }
-}
 
 #[test]
 fn uniforms_stay_in_range_and_keep_their_digits() {
-    let ends = [
+    for word in [
         0,
         1,
-        2,
         255,
         256,
         0xffff,
         1 << 16,
+        0x00ff_feff,
+        0x00ff_ff00,
         1 << 24,
         1 << 31,
         0xffff_fe7f,
         0xffff_fe80,
         0xffff_ff00,
         u32::MAX,
-    ];
-    for word in ends {
+    ] {
         let coarse = Stream::<f32>::uniform(&mut Words(&[word]), true);
-        let fine = Stream::<f32>::uniform_fine(&mut Words(&[word]), true);
         assert_eq!(coarse, (word >> 8) as f32 / 16_777_216.0);
+        // Small words ask for more, which here add nothing.
+        let fine = Stream::<f32>::uniform_fine(&mut Words(&[word, 0, 0, 0]), true);
         assert!((0.0..1.0).contains(&coarse) && (0.0..1.0).contains(&fine));
         let exact = f64::from(word) / WORDS;
         assert!(
@@ -304,25 +171,38 @@ fn lanes_agree_at_the_rare_ends() {
         }
     }
     let scripts = [
-        vec![0, 5],
+        vec![0, 1 << 24],
         vec![u32::MAX, 1 << 31],
         vec![1 << 30],
-        vec![0, 0, 9],
-        vec![0xffff_ff00, 0, 77],
+        vec![0, 0, 9, 5],
+        vec![0xffff_ff00, 0, 1 << 30],
         vec![0, 0, 0, 3],
         vec![0xffff_ff11, 0xffff_ff22, 0xffff_feff],
-        vec![1],
+        vec![1, u32::MAX],
     ];
-    for bits in 0..256 {
+    for (bits, fine) in (0..256).flat_map(|bits| [(bits, false), (bits, true)]) {
         let mut wide = Scripts(scripts.clone(), [0; LANES]);
-        let result = wide.exponential(LaneMask::from_bits(bits));
+        let active = LaneMask::from_bits(bits);
+        let result = if fine {
+            wide.uniform_fine(active)
+        } else {
+            wide.exponential(active)
+        };
         for (lane, script) in scripts.iter().enumerate() {
-            let active = bits >> lane & 1 == 1;
-            let drawn = if active { script.len() } else { 0 };
-            assert_eq!(wide.1[lane], drawn, "draws of lane {lane}");
-            if active {
-                assert_eq!(result.lane(lane).to_bits(), exponential(script).to_bits());
+            if bits >> lane & 1 == 0 {
+                assert_eq!(wide.1[lane], 0, "draws of lane {lane}");
+                continue;
             }
+            let mut words = Words(script);
+            let one: f32 = if fine {
+                words.uniform_fine(true)
+            } else {
+                words.exponential(true)
+            };
+            let drawn = script.len() - words.0.len();
+            assert!(fine || drawn == script.len(), "a script ends too late");
+            assert_eq!(wide.1[lane], drawn, "draws of lane {lane}");
+            assert_eq!(result.lane(lane).to_bits(), one.to_bits());
         }
     }
 }
