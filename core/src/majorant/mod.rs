@@ -5,12 +5,15 @@
 //! (absorption, scattering, null) is decided by the caller.
 
 mod dda;
+mod footprint;
 mod grid;
+mod rounding;
 mod stages;
 mod tracker;
 
 pub use dda::{GridLayout, GridWalk};
-pub use grid::{BLOCK, MajorantError, MajorantGrid, fill_majorants, majorant_count};
+pub use footprint::majorant_count;
+pub use grid::{BLOCK, MajorantError, MajorantGrid, fill_majorants};
 pub use stages::{Process, Stages};
 pub use tracker::{Advance, Tracker};
 

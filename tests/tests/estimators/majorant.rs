@@ -11,6 +11,7 @@ use woodcock_tests::stats::independent::SplitMix;
 use woodcock_tests::widths::{everyone, ray, width};
 
 mod errors;
+mod rounding;
 
 /// Sizes around the edge of a block: inside one, one exactly, one and a sample, many.
 const SIZES: [[u32; 3]; 10] = [
