@@ -4,6 +4,7 @@
 //! owns the stepping and says where tentative collisions fall. What a tentative collision means
 //! (absorption, scattering, null) is decided by the caller.
 
+mod controls;
 mod dda;
 mod footprint;
 mod grid;
@@ -11,6 +12,7 @@ mod rounding;
 mod stages;
 mod tracker;
 
+pub use controls::{ControlledGrid, fill_controls};
 pub use dda::{GridLayout, GridWalk};
 pub use footprint::majorant_count;
 pub use grid::{BLOCK, MajorantError, MajorantGrid, fill_majorants};

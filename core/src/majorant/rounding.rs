@@ -47,6 +47,13 @@ pub(super) fn highest(largest: f32) -> f64 {
     }
 }
 
+/// No interpolant of samples from `smallest` on falls below this, nor below zero.
+#[inline(always)]
+pub(super) fn lowest(smallest: f32) -> f64 {
+    let smallest = f64::from(smallest);
+    (smallest * (1.0 - PROVED) - 3.0 * f64::from(TINIEST)).max(0.0)
+}
+
 /// A bound from above: at least [`highest`], finite for samples up to [`LARGEST`].
 #[inline(always)]
 pub(super) fn majorant(largest: f32) -> f32 {
@@ -55,6 +62,12 @@ pub(super) fn majorant(largest: f32) -> f32 {
     } else {
         0.0
     }
+}
+
+/// A bound from below: at most [`lowest`], not negative.
+#[inline(always)]
+pub(super) fn minorant(smallest: f32) -> f32 {
+    (smallest * (1.0 - MADE) - 4.0 * TINIEST).max(0.0)
 }
 
 #[cfg(test)]
@@ -82,18 +95,25 @@ mod tests {
     fn what_is_made_can_be_proved() {
         let mut tested = 0;
         for sample in magnitudes().filter(|&s| s <= LARGEST) {
-            let above = majorant(sample);
+            let (above, below) = (majorant(sample), minorant(sample));
             let proved = above.is_finite() && f64::from(above) >= highest(sample);
             assert!(proved, "{sample:e}: {above:e}");
+            let proved = below >= 0.0 && f64::from(below) <= lowest(sample);
+            assert!(proved, "{sample:e}: {below:e}");
             // And not much wider than that.
             let close = f64::from(sample) * 1.2e-6 + 8.0 * f64::from(TINIEST);
             assert!(
                 f64::from(above) - f64::from(sample) <= close,
                 "{sample:e}: {above:e}"
             );
+            assert!(
+                f64::from(sample) - f64::from(below) <= close,
+                "{sample:e}: {below:e}"
+            );
             tested += 1;
         }
         assert!(tested > 70_000, "{tested}");
         assert_eq!((majorant(0.0), majorant(-0.0)), (0.0, 0.0));
+        assert_eq!(minorant(0.0), 0.0);
     }
 }

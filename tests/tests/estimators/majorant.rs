@@ -10,6 +10,7 @@ use woodcock_tests::grids::TestGrid;
 use woodcock_tests::stats::independent::SplitMix;
 use woodcock_tests::widths::{everyone, ray, width};
 
+mod controls;
 mod errors;
 mod rounding;
 
