@@ -199,7 +199,7 @@ impl<R: Real> GridWalk<R> {
 
     /// The place at distance `t`, kept within the present block and the domain.
     #[inline(always)]
-    fn place(&self, t: R) -> Vec3<R> {
+    pub(crate) fn place(&self, t: R) -> Vec3<R> {
         let p = self.origin + self.direction * t;
         let edge = R::splat(BLOCK as f32);
         let clamp = |p: R, low: R, last: R| p.max(low).min((low + edge).min(last)).max(R::zero());

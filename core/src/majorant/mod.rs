@@ -4,6 +4,7 @@
 //! owns the stepping and says where tentative collisions fall. What a tentative collision means
 //! (absorption, scattering, null) is decided by the caller.
 
+mod cells;
 mod controls;
 mod dda;
 mod footprint;
@@ -12,6 +13,7 @@ mod rounding;
 mod stages;
 mod tracker;
 
+pub use cells::{CellError, Cells};
 pub use controls::{ControlledGrid, fill_controls};
 pub use dda::{GridLayout, GridWalk};
 pub use footprint::majorant_count;

@@ -7,10 +7,12 @@
 mod grid;
 mod homogeneous;
 mod procedural;
+mod procedural_grid;
 
 pub use grid::{Affine, Grid, IDENTITY, transform_ray};
 pub use homogeneous::{ExtinctionError, Homogeneous};
 pub use procedural::Procedural;
+pub use procedural_grid::ProceduralGrid;
 
 use crate::majorant::Segment;
 use crate::ray::Ray;
@@ -24,6 +26,7 @@ macro_rules! for_each_medium {
         $row!(homogeneous);
         $row!(grid);
         $row!(procedural);
+        $row!(procedural_grid);
     };
 }
 
