@@ -54,6 +54,7 @@
 pub mod camera;
 pub mod collision;
 pub mod elementary;
+pub mod enclosure;
 pub mod free_flight;
 pub mod light;
 pub mod line_integral;

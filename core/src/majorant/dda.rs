@@ -184,6 +184,12 @@ impl<R: Real> GridWalk<R> {
         }
     }
 
+    /// What a table in the layout of the bounds says of the present block, scaled as the bounds are.
+    #[inline(always)]
+    pub fn of_block(&self, table: &[f32]) -> R {
+        R::gather(table, self.index) * self.layout.scale
+    }
+
     /// Steps the active lanes into the block beyond the nearest face.
     #[inline(always)]
     pub fn next_segment(&mut self, majorants: &[f32], active: R::Mask) {
@@ -215,7 +221,7 @@ impl<R: Real> GridWalk<R> {
 
     /// The place at distance `t`, kept within the present block and the domain.
     #[inline(always)]
-    fn place(&self, t: R) -> Vec3<R> {
+    pub(crate) fn place(&self, t: R) -> Vec3<R> {
         let p = self.origin + self.direction * t;
         let edge = R::splat(BLOCK as f32);
         let clamp = |p: R, low: R, last: R| p.max(low).min((low + edge).min(last)).max(R::zero());

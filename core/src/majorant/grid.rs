@@ -2,35 +2,18 @@
 //!
 //! The medium between samples is their trilinear interpolant, which is bounded by the samples
 //! around it. So the bound of a block is the largest of the 9³ samples that its cells touch: the
-//! block's footprint, not only its own samples. It is rounded up by 2⁻²⁰, more than interpolation
-//! in `f32` can overshoot. A rim of empty blocks surrounds the grid, where a walk may end up by
-//! rounding at the very edge.
+//! block's footprint, not only its own samples. It is raised by 2⁻²⁰ of itself, more than interpolation
+//! in `f32` can overshoot (`rounding.rs` says by how much). A rim of empty blocks surrounds the grid,
+//! where a walk may end up by rounding at the very edge.
 
 use core::fmt;
 
+use crate::majorant::footprint::{blocks, check_dims, check_table, find, for_each_entry, rows};
+use crate::majorant::rounding;
 use crate::real::Real;
 
 /// Edge of a majorant block, in voxel cells.
 pub const BLOCK: u32 = 8;
-
-/// Blocks along an axis of `samples` samples, without the rim.
-#[inline]
-pub(crate) const fn blocks(samples: u32) -> u32 {
-    samples.saturating_sub(1).div_ceil(BLOCK)
-}
-
-/// How many bounds a grid of these dimensions needs: the length of [`fill_majorants`]' output.
-///
-/// `None` where the number does not fit.
-pub const fn majorant_count(dims: [u32; 3]) -> Option<usize> {
-    let x = blocks(dims[0]) as u64 + 2;
-    let y = blocks(dims[1]) as u64 + 2;
-    let z = blocks(dims[2]) as u64 + 2;
-    match (x * y).checked_mul(z) {
-        Some(count) if count <= i32::MAX as u64 => Some(count as usize),
-        _ => None,
-    }
-}
 
 /// What can be wrong with a grid of samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,17 +28,32 @@ pub enum MajorantError {
         /// The length it has.
         found: usize,
     },
-    /// A sample is negative, infinite or NaN.
+    /// A sample is negative, NaN, or beyond 3.4e38.
     Sample {
         /// Its indices along x, y and z.
         at: [u32; 3],
         /// Its value.
         value: f32,
     },
-    /// A bound is smaller than a sample in its footprint.
+    /// A bound is infinite, or what is interpolated from a sample of its footprint can exceed it.
     Bound {
         /// The sample's indices along x, y and z.
         at: [u32; 3],
+    },
+    /// A minorant is negative, or what is interpolated from a sample of its footprint can fall below it.
+    Minorant {
+        /// The sample's indices along x, y and z.
+        at: [u32; 3],
+    },
+    /// A mean lies outside its block's bounds.
+    Mean {
+        /// The block's indices along x, y and z, without the rim.
+        block: [u32; 3],
+    },
+    /// An entry of the rim is not zero.
+    Rim {
+        /// Its place in its table.
+        index: usize,
     },
 }
 
@@ -74,12 +72,21 @@ impl fmt::Display for MajorantError {
                 value,
             } => write!(
                 f,
-                "the sample at ({x}, {y}, {z}) is {value}: extinction is finite and not negative"
+                "the sample at ({x}, {y}, {z}) is {value}: extinction is from 0 to 3.4e38"
             ),
             Self::Bound { at: [x, y, z] } => write!(
                 f,
-                "the majorant around the sample at ({x}, {y}, {z}) is smaller than that sample"
+                "the majorant around the sample at ({x}, {y}, {z}) does not bound what is interpolated from it"
             ),
+            Self::Minorant { at: [x, y, z] } => write!(
+                f,
+                "the minorant around the sample at ({x}, {y}, {z}) does not bound what is interpolated from it"
+            ),
+            Self::Mean { block: [x, y, z] } => write!(
+                f,
+                "the mean of the block ({x}, {y}, {z}) lies outside the block's bounds"
+            ),
+            Self::Rim { index } => write!(f, "entry {index} lies in the rim and is not zero"),
         }
     }
 }
@@ -96,122 +103,98 @@ pub struct MajorantGrid<'a> {
     pub(crate) dims: [u32; 3],
 }
 
-fn check_dims(samples: &[f32], dims: [u32; 3]) -> Result<(), MajorantError> {
-    let count = dims
-        .iter()
-        .try_fold(1_u64, |n, &d| n.checked_mul(u64::from(d)))
-        .filter(|&n| n <= i32::MAX as u64 && dims.iter().all(|&d| (2..=1 << 23).contains(&d)))
-        .ok_or(MajorantError::Dimensions(dims))?;
-    if samples.len() as u64 != count {
-        return Err(MajorantError::Length {
-            expected: count as usize,
-            found: samples.len(),
-        });
-    }
-    Ok(())
-}
-
-/// The range of blocks, rim included, whose footprint has sample `i` of an axis of `samples` samples.
-#[inline]
-fn owners(i: u32, samples: u32) -> core::ops::RangeInclusive<usize> {
-    let last = (i / BLOCK).min(blocks(samples) - 1);
-    let first = if i > 0 && i.is_multiple_of(BLOCK) {
-        i / BLOCK - 1
+/// Nothing is in the rim.
+pub(super) fn check_rim(index: usize, entry: f32) -> Result<(), MajorantError> {
+    if entry == 0.0 {
+        Ok(())
     } else {
-        last
-    };
-    first as usize + 1..=last as usize + 1
+        Err(MajorantError::Rim { index })
+    }
 }
 
-/// Visits each sample with the indices of all bounds that must cover it.
-fn for_each_owner(
-    samples: &[f32],
-    dims: [u32; 3],
-    mut visit: impl FnMut([u32; 3], f32, usize) -> Result<(), MajorantError>,
-) -> Result<(), MajorantError> {
-    let [nx, ny, _] = dims;
-    let (bx, by) = (blocks(nx) as usize + 2, blocks(ny) as usize + 2);
-    for (row, values) in samples.chunks_exact(nx as usize).enumerate() {
-        let (y, z) = (
-            (row as u64 % u64::from(ny)) as u32,
-            (row as u64 / u64::from(ny)) as u32,
-        );
-        for (x, &value) in values.iter().enumerate() {
-            let x = x as u32;
-            for oz in owners(z, dims[2]) {
-                for oy in owners(y, ny) {
-                    for ox in owners(x, nx) {
-                        visit([x, y, z], value, (oz * by + oy) * bx + ox)?;
-                    }
-                }
-            }
-        }
-    }
-    Ok(())
+/// A sample that extinction can have.
+pub(super) fn is_valid(sample: f32) -> bool {
+    (0.0..=rounding::LARGEST).contains(&sample)
+}
+
+/// The first sample of a footprint that extinction cannot have.
+pub(super) fn invalid_sample(samples: &[f32], dims: [u32; 3], block: [u32; 3]) -> MajorantError {
+    let invalid = find(samples, dims, block, |sample| !is_valid(sample));
+    let (at, value) = invalid.unwrap_or((block.map(|b| b * BLOCK), f32::NAN));
+    MajorantError::Sample { at, value }
 }
 
 /// Computes the bounds of a grid of samples.
 ///
-/// * `samples`: finite and not negative, x fastest. `dims`: samples along x, y, z, at least two each.
-/// * `majorants`: [`majorant_count`] values, overwritten.
+/// * `samples`: from 0 to 3.4e38, x fastest. `dims`: samples along x, y, z, at least two each.
+/// * `majorants`: [`majorant_count`](crate::majorant::majorant_count) values, overwritten.
 ///
 /// # Errors
-/// Wrong dimensions or lengths, or the first sample that no extinction can have.
+/// Wrong dimensions or lengths, or a sample that no extinction can have.
 pub fn fill_majorants(
     samples: &[f32],
     dims: [u32; 3],
     majorants: &mut [f32],
 ) -> Result<(), MajorantError> {
     check_dims(samples, dims)?;
-    let expected = majorant_count(dims).ok_or(MajorantError::Dimensions(dims))?;
-    if majorants.len() != expected {
-        return Err(MajorantError::Length {
-            expected,
-            found: majorants.len(),
-        });
-    }
-    majorants.fill(0.0);
-    for_each_owner(samples, dims, |at, value, owner| {
-        if !(value >= 0.0 && value.is_finite()) {
-            return Err(MajorantError::Sample { at, value });
-        }
-        if let Some(bound) = majorants.get_mut(owner) {
-            *bound = bound.max(value);
+    check_table(majorants, dims)?;
+    for_each_entry(dims.map(blocks), |index, block| {
+        let bound = match block {
+            Some(block) => rounding::majorant(largest(samples, dims, block)?),
+            None => 0.0,
+        };
+        if let Some(entry) = majorants.get_mut(index) {
+            *entry = bound;
         }
         Ok(())
-    })?;
-    for bound in majorants {
-        *bound = (*bound * (1.0 + 1.0 / 1_048_576.0)).min(f32::MAX);
+    })
+}
+
+/// The largest sample of a footprint, all of which are looked at.
+fn largest(samples: &[f32], dims: [u32; 3], block: [u32; 3]) -> Result<f32, MajorantError> {
+    let (mut largest, mut valid) = (0.0_f32, true);
+    rows(samples, dims, block).for_each(|(_, row)| {
+        for &sample in row {
+            valid &= is_valid(sample);
+            largest = largest.max(sample);
+        }
+    });
+    if valid {
+        return Ok(largest);
     }
-    Ok(())
+    Err(invalid_sample(samples, dims, block))
 }
 
 impl<'a> MajorantGrid<'a> {
-    /// Proves that every bound covers every sample of its footprint, and keeps both.
+    /// Proves that no look-up within a block exceeds its bound, one tap or interpolated, rounding
+    /// included, and keeps samples and bounds.
+    ///
+    /// A bound must exceed the largest sample of its footprint by the factor 1 + 2⁻²¹ and three of the
+    /// smallest floats, as interpolation by single precision can; those of [`fill_majorants`] do. Bounds
+    /// of the rim are zero.
     ///
     /// # Errors
-    /// As [`fill_majorants`], and the first sample above its bound.
+    /// As [`fill_majorants`], and a sample whose bound fails.
     pub fn new(
         samples: &'a [f32],
         dims: [u32; 3],
         majorants: &'a [f32],
     ) -> Result<Self, MajorantError> {
         check_dims(samples, dims)?;
-        let expected = majorant_count(dims).ok_or(MajorantError::Dimensions(dims))?;
-        if majorants.len() != expected {
-            return Err(MajorantError::Length {
-                expected,
-                found: majorants.len(),
-            });
-        }
-        for_each_owner(samples, dims, |at, value, owner| {
-            if !(value >= 0.0 && value.is_finite()) {
-                return Err(MajorantError::Sample { at, value });
+        check_table(majorants, dims)?;
+        for_each_entry(dims.map(blocks), |index, block| {
+            let bound = majorants.get(index).copied().unwrap_or(f32::NAN);
+            let covers =
+                |sample| bound.is_finite() && rounding::highest(sample) <= f64::from(bound);
+            let Some(block) = block else {
+                return check_rim(index, bound);
+            };
+            if covers(largest(samples, dims, block)?) {
+                return Ok(());
             }
-            match majorants.get(owner) {
-                Some(&bound) if bound >= value => Ok(()),
-                _ => Err(MajorantError::Bound { at }),
-            }
+            let above = find(samples, dims, block, |sample| !covers(sample));
+            let (at, _) = above.unwrap_or((block.map(|b| b * BLOCK), f32::NAN));
+            Err(MajorantError::Bound { at })
         })?;
         Ok(Self {
             samples,

@@ -4,14 +4,21 @@
 //! owns the stepping and says where tentative collisions fall. What a tentative collision means
 //! (absorption, scattering, null) is decided by the caller.
 
+mod cells;
+mod controls;
 mod dda;
+mod footprint;
 mod grid;
+mod rounding;
 mod stages;
 mod tracker;
 mod work;
 
+pub use cells::{CellError, Cells};
+pub use controls::{ControlledGrid, fill_controls};
 pub use dda::{GridLayout, GridWalk};
-pub use grid::{BLOCK, MajorantError, MajorantGrid, fill_majorants, majorant_count};
+pub use footprint::majorant_count;
+pub use grid::{BLOCK, MajorantError, MajorantGrid, fill_majorants};
 pub use stages::{Process, Stages};
 pub use tracker::{Advance, Tracker};
 pub(crate) use work::for_each_segment;

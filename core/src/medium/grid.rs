@@ -1,6 +1,6 @@
 //! Extinction between borrowed samples, interpolated trilinearly, with a certified majorant grid.
 
-use crate::majorant::{GridLayout, GridWalk, MajorantGrid, Segment};
+use crate::majorant::{ControlledGrid, GridLayout, GridWalk, Segment};
 use crate::medium::{Control, Controlled, Medium};
 use crate::ray::Ray;
 use crate::real::Real;
@@ -11,7 +11,7 @@ use crate::stream::Stream;
 /// σ_t(x) = scale · (trilinear interpolant of the samples at `world_to_grid` x).
 #[derive(Clone, Copy, Debug)]
 pub struct Grid<'a> {
-    bounds: MajorantGrid<'a>,
+    bounds: ControlledGrid<'a>,
     world_to_grid: Affine,
     scale: f32,
 }
@@ -41,15 +41,20 @@ pub fn transform_ray<R: Real>(rows: [[R; 4]; 3], ray: &Ray<R>) -> Ray<R> {
 impl<'a> Grid<'a> {
     /// Samples and bounds, where they lie, and what a sample of one means.
     ///
+    /// * `bounds`: a [`MajorantGrid`](crate::majorant::MajorantGrid), or one with controls.
     /// * `world_to_grid`: maps to the space where samples lie at the integers.
     /// * `scale`: extinction of a sample of one [1/length], not negative.
     ///
     /// # Errors
     /// `None` where the map or the scale is not finite, or the scale negative.
-    pub fn new(bounds: MajorantGrid<'a>, world_to_grid: Affine, scale: f32) -> Option<Self> {
+    pub fn new(
+        bounds: impl Into<ControlledGrid<'a>>,
+        world_to_grid: Affine,
+        scale: f32,
+    ) -> Option<Self> {
         let finite = world_to_grid.iter().flatten().all(|x| x.is_finite());
         (finite && scale >= 0.0 && scale.is_finite()).then_some(Self {
-            bounds,
+            bounds: bounds.into(),
             world_to_grid,
             scale,
         })
@@ -62,7 +67,7 @@ impl<'a> Grid<'a> {
 
     /// The far corner of the domain in grid space; the near one is the origin.
     pub fn size(&self) -> [f32; 3] {
-        self.bounds.size::<f32>().lane(0)
+        self.bounds.bounds().size::<f32>().lane(0)
     }
 
     /// A world-space ray in grid space.
@@ -75,13 +80,13 @@ impl<'a> Grid<'a> {
     #[inline(always)]
     pub fn clip<R: Real>(&self, ray: &Ray<R>) -> crate::ray::Interval<R> {
         let local = self.to_grid(ray);
-        crate::ray::clip_to_box(local.origin, local.direction, self.bounds.size())
+        crate::ray::clip_to_box(local.origin, local.direction, self.bounds.bounds().size())
     }
 
     /// The full interpolant on a begun walk at distance `t` [1/length].
     #[inline(always)]
     pub fn trilinear<R: Real>(&self, walk: &GridWalk<R>, t: R) -> R {
-        walk.trilinear(self.bounds.samples, t)
+        walk.trilinear(self.bounds.bounds().samples, t)
     }
 }
 
@@ -96,8 +101,8 @@ impl<R: Real> Medium<R> for Grid<'_> {
     }
     #[inline(always)]
     fn begin(&self, walk: &mut GridWalk<R>, ray: &Ray<R>, active: R::Mask) {
-        let layout = GridLayout::of(&self.bounds, self.scale);
-        walk.begin(&layout, &self.to_grid(ray), self.bounds.majorants, active);
+        let layout = GridLayout::of(&self.bounds.bounds(), self.scale);
+        walk.begin(&layout, &self.to_grid(ray), self.bounds.bounds().majorants, active);
     }
     #[inline(always)]
     fn segment(&self, walk: &GridWalk<R>) -> Segment<R> {
@@ -105,22 +110,21 @@ impl<R: Real> Medium<R> for Grid<'_> {
     }
     #[inline(always)]
     fn next_segment(&self, walk: &mut GridWalk<R>, active: R::Mask) {
-        walk.next_segment(self.bounds.majorants, active);
+        walk.next_segment(self.bounds.bounds().majorants, active);
     }
     #[inline(always)]
     fn sigma_t(&self, walk: &GridWalk<R>, t: R, rng: &mut impl Stream<R>, active: R::Mask) -> R {
-        walk.sigma_t(self.bounds.samples, t, rng, active)
+        walk.sigma_t(self.bounds.bounds().samples, t, rng, active)
     }
 }
 
-/// Without tables of controls: a minimum and a mean of zero, which make residual ratio tracking ratio
-/// tracking.
+/// From the tables of controls; zero without, which makes residual ratio tracking ratio tracking.
 impl<R: Real> Controlled<R> for Grid<'_> {
     #[inline(always)]
-    fn control(&self, _: &GridWalk<R>) -> Control<R> {
+    fn control(&self, walk: &GridWalk<R>) -> Control<R> {
         Control {
-            minimum: R::zero(),
-            mean: R::zero(),
+            minimum: walk.of_block(self.bounds.minorants()),
+            mean: walk.of_block(self.bounds.means()),
         }
     }
 }

@@ -13,6 +13,7 @@ mod linear;
 mod overlap;
 mod placed;
 mod procedural;
+mod procedural_grid;
 mod within;
 
 pub use audited::Audited;
@@ -24,6 +25,7 @@ pub use linear::Linear;
 pub use overlap::Overlap;
 pub use placed::Placed;
 pub use procedural::Procedural;
+pub use procedural_grid::ProceduralGrid;
 pub use within::Within;
 
 use crate::majorant::Segment;
@@ -40,6 +42,7 @@ macro_rules! for_each_medium {
         $row!(grid);
         $row!(cells);
         $row!(procedural);
+        $row!(procedural_grid);
         $row!(overlap);
         $row!(placed);
         $row!(within);

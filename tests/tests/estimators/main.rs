@@ -3,6 +3,7 @@
 
 mod coverage;
 mod elementary;
+mod enclosure;
 mod free_flight;
 mod lanes;
 mod majorant;

@@ -10,7 +10,9 @@ use woodcock_tests::grids::TestGrid;
 use woodcock_tests::stats::independent::SplitMix;
 use woodcock_tests::widths::{everyone, ray, width};
 
+mod controls;
 mod errors;
+mod rounding;
 
 /// Sizes around the edge of a block: inside one, one exactly, one and a sample, many.
 const SIZES: [[u32; 3]; 10] = [

@@ -19,6 +19,8 @@ use woodcock_tests::stats::{
 };
 use woodcock_tests::widths::{everyone, per_lane, ray, sample, width};
 
+mod cells;
+
 /// A question that is put to every case of every row.
 trait Question<R: Real> {
     /// * `sigma_t`: the extinction at a world-space place, by an oracle.
@@ -267,6 +269,7 @@ mod rows {
     pub(super) type homogeneous = Fog;
     pub(super) type grid = OnGrid;
     pub(super) type procedural = Formula;
+    pub(super) type procedural_grid = cells::InCells;
 }
 
 /// Walks the segments, and looks up at many places of each.

@@ -11,7 +11,14 @@ fn bad_samples_are_named() {
     let mut bounds = vec![0.0; count];
     fill_majorants(&good, dims, &mut bounds).expect("good samples");
     let bounds = bounds;
-    for value in [f32::NAN, -1.0, -1e-30, f32::INFINITY, f32::NEG_INFINITY] {
+    for value in [
+        f32::NAN,
+        -1.0,
+        -1e-30,
+        f32::INFINITY,
+        f32::NEG_INFINITY,
+        3.401e38,
+    ] {
         for (index, at) in [(0, [0, 0, 0]), (33, [3, 2, 1]), (59, [4, 3, 2])] {
             let mut samples = good.clone();
             samples[index] = value;
@@ -102,8 +109,9 @@ fn bounds_that_fail_to_bound_are_named() {
         if grid.majorants[index] == 0.0 {
             continue;
         }
-        let largest = grid.majorants[index] / (1.0 + 2e-6);
-        for wrong in [largest, 0.0, f32::NAN, -1.0] {
+        // The largest sample itself is no bound: interpolation rounds above it.
+        let largest = grid.majorants[index] / (1.0 + 1.0 / 1_048_576.0);
+        for wrong in [largest, 0.0, f32::NAN, -1.0, f32::INFINITY] {
             let mut bounds = grid.majorants.clone();
             bounds[index] = wrong;
             let error = MajorantGrid::new(&grid.samples, grid.dims, &bounds);
@@ -116,17 +124,31 @@ fn bounds_that_fail_to_bound_are_named() {
     }
     assert_eq!(
         planted,
-        4 * 4,
-        "two by two by one blocks, four mistakes each"
+        4 * 5,
+        "two by two by one blocks, five mistakes each"
     );
+    for index in (0..grid.majorants.len()).filter(|&i| grid.majorants[i] == 0.0) {
+        let mut bounds = grid.majorants.clone();
+        bounds[index] = 0.5;
+        let error = MajorantGrid::new(&grid.samples, grid.dims, &bounds);
+        assert_eq!(error.err(), Some(MajorantError::Rim { index }));
+    }
 }
 
-/// Extinction near the largest float has a bound that is still finite.
+/// Extinction at either end of the floats has bounds that are finite and can be proved.
 #[test]
-fn the_largest_samples_keep_a_finite_bound() {
-    let grid = TestGrid::new([3, 3, 3], |_| f32::MAX);
-    assert!(grid.majorants.iter().all(|b| b.is_finite()));
-    let tiny = TestGrid::new([3, 3, 3], |_| f32::from_bits(1));
-    let bounds = tiny.bounds();
-    assert_eq!(bounds.dims(), [3, 3, 3]);
+fn extreme_samples_are_bounded() {
+    for extreme in [
+        3.4e38,
+        f32::MIN_POSITIVE,
+        f32::from_bits(5),
+        f32::from_bits(1),
+    ] {
+        let grid = TestGrid::new(
+            [3, 9, 10],
+            |[x, y, z]| if (x + y + z) % 2 == 0 { extreme } else { 0.0 },
+        );
+        assert!(grid.majorants.iter().all(|b| b.is_finite()));
+        assert_eq!(grid.bounds().dims(), [3, 9, 10]);
+    }
 }
