@@ -2,6 +2,9 @@
 //! compared.
 #![forbid(unsafe_code)]
 
+pub mod plot;
+pub mod profile;
+
 use std::time::Instant;
 
 use woodcock_core::majorant::{MajorantError, fill_majorants, majorant_count};

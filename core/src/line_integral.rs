@@ -163,7 +163,7 @@ impl<R: Real, W: Clone> Comb<R, W> {
             active,
             passed: R::zero(),
             reach: (-depth).exp(),
-            collides: R::one() - (-depth).exp(),
+            collides: -((-depth).exp_m1()),
             offset: rng.uniform_fine(active_ray),
             tooth: 0,
             walks: walks.max(1),

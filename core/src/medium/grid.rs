@@ -102,7 +102,12 @@ impl<R: Real> Medium<R> for Grid<'_> {
     #[inline(always)]
     fn begin(&self, walk: &mut GridWalk<R>, ray: &Ray<R>, active: R::Mask) {
         let layout = GridLayout::of(&self.bounds.bounds(), self.scale);
-        walk.begin(&layout, &self.to_grid(ray), self.bounds.bounds().majorants, active);
+        walk.begin(
+            &layout,
+            &self.to_grid(ray),
+            self.bounds.bounds().majorants,
+            active,
+        );
     }
     #[inline(always)]
     fn segment(&self, walk: &GridWalk<R>) -> Segment<R> {

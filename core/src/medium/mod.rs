@@ -7,8 +7,10 @@
 mod audited;
 mod cells;
 mod emissive;
+mod exponential;
 mod grid;
 mod homogeneous;
+mod interpolated;
 mod linear;
 mod overlap;
 mod placed;
@@ -19,8 +21,10 @@ mod within;
 pub use audited::Audited;
 pub use cells::{Cells, CellsError, cell_count, fill_cells};
 pub use emissive::{Emission, Emissive};
+pub use exponential::Exponential;
 pub use grid::{Affine, Grid, IDENTITY, transform_ray};
 pub use homogeneous::{ExtinctionError, Homogeneous};
+pub use interpolated::Interpolated;
 pub use linear::Linear;
 pub use overlap::Overlap;
 pub use placed::Placed;
@@ -39,7 +43,9 @@ macro_rules! for_each_medium {
     ($row:ident) => {
         $row!(homogeneous);
         $row!(linear);
+        $row!(exponential);
         $row!(grid);
+        $row!(interpolated);
         $row!(cells);
         $row!(procedural);
         $row!(procedural_grid);

@@ -4,8 +4,8 @@ use woodcock_core::for_each_medium;
 use woodcock_core::majorant::GridLayout;
 use woodcock_core::majorant::GridWalk;
 use woodcock_core::medium::{
-    Affine, Cells, Controlled, Grid, Homogeneous, IDENTITY, Linear, Medium, Overlap, Placed,
-    Procedural, Within, cell_count, fill_cells,
+    Affine, Cells, Controlled, Exponential, Grid, Homogeneous, IDENTITY, Interpolated, Linear,
+    Medium, Overlap, Placed, Procedural, Within, cell_count, fill_cells,
 };
 use woodcock_core::ray::Ray;
 use woodcock_core::real::{Mask, Real};
@@ -98,6 +98,18 @@ mod rows {
         }
     }
 
+    pub(super) struct InFull;
+    impl Row for InFull {
+        fn put<R: Real>(question: &mut impl Question<R>) {
+            let grid = TestGrid::random([17, 18, 19], 64, 0.5);
+            let medium = Interpolated(grid.medium(IDENTITY, 2.5));
+            for direction in AXES {
+                let chord = chord(grid.dims, [8.2, 8.1, 9.3], direction);
+                question.ask("grid in full", &medium, &|p| 2.5 * grid.at(p), &chord);
+            }
+        }
+    }
+
     pub(super) struct Formula;
     impl Row for Formula {
         fn put<R: Real>(question: &mut impl Question<R>) {
@@ -137,6 +149,29 @@ mod rows {
                 for direction in AXES {
                     let chord = chord([9, 9, 9], [4.0, 3.0, 2.0], direction);
                     question.ask(&format!("ramp {offset} {gradient:?}"), &medium, &at, &chord);
+                }
+            }
+        }
+    }
+
+    pub(super) struct Atmosphere;
+    impl Row for Atmosphere {
+        fn put<R: Real>(question: &mut impl Question<R>) {
+            for (sigma_0, falloff) in [
+                (2.0, [0.0; 3]),
+                (0.0, [0.0, 0.0, 1.0]),
+                (0.5, [0.3, 0.0, -0.1]),
+                (3.0, [0.0, 0.0, 2.0]),
+                (4.0, [1e-6, -1e-7, 0.0]),
+            ] {
+                let medium = Exponential::new(sigma_0, falloff).expect("a valid atmosphere");
+                let at = |p: [f64; 3]| {
+                    let heights: f64 = (0..3).map(|a| f64::from(falloff[a]) * p[a]).sum();
+                    f64::from(sigma_0) * (-heights).exp()
+                };
+                for direction in AXES {
+                    let chord = chord([9, 9, 9], [4.0, 3.0, 2.0], direction);
+                    question.ask(&format!("air {sigma_0} {falloff:?}"), &medium, &at, &chord);
                 }
             }
         }
@@ -261,6 +296,8 @@ mod rows {
     }
 
     // The suite's name for each row of the registry.
+    pub(super) type exponential = Atmosphere;
+    pub(super) type interpolated = InFull;
     pub(super) type linear = Ramp;
     pub(super) type cells = OfCells;
     pub(super) type overlap = Sum;

@@ -169,7 +169,13 @@ fn closed_form_bundles() {
                 assert!(out[landed..].iter().all(|x| x.is_nan()));
                 same("closed form", &out[..landed], |i| {
                     let (along, mut rng) = scalar(&rays[i]);
-                    distance(analytic::sample(&fog, &along, rays[i].t_max, &mut rng, true))
+                    distance(analytic::sample(
+                        &fog,
+                        &along,
+                        rays[i].t_max,
+                        &mut rng,
+                        true,
+                    ))
                 });
             }
         }
