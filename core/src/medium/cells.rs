@@ -155,7 +155,7 @@ impl<'a> Cells<'a> {
 
     /// A world-space ray in the walk's space, where a cell is as large as a majorant block.
     #[inline(always)]
-    fn to_walk<R: Real>(&self, ray: &Ray<R>) -> Ray<R> {
+    fn in_units<R: Real>(&self, ray: &Ray<R>) -> Ray<R> {
         let edge = R::splat(crate::majorant::BLOCK as f32);
         let cells = transform_ray(self.world_to_grid.map(|row| row.map(R::splat)), ray);
         Ray {
@@ -172,7 +172,7 @@ impl<'a> Cells<'a> {
     /// The part of a world-space ray within the domain.
     #[inline(always)]
     pub fn clip<R: Real>(&self, ray: &Ray<R>) -> Interval<R> {
-        let local = self.to_walk(ray);
+        let local = self.in_units(ray);
         clip_to_box(local.origin, local.direction, self.layout::<R>().last)
     }
 }
@@ -188,7 +188,7 @@ impl<R: Real> Medium<R> for Cells<'_> {
     }
     #[inline(always)]
     fn begin(&self, walk: &mut GridWalk<R>, ray: &Ray<R>, active: R::Mask) {
-        walk.begin(&self.layout(), &self.to_walk(ray), self.table, active);
+        walk.begin(&self.layout(), &self.in_units(ray), self.table, active);
     }
     #[inline(always)]
     fn segment(&self, walk: &GridWalk<R>) -> Segment<R> {
