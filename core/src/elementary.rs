@@ -1,4 +1,4 @@
-//! `ln`, `exp` and `sin_cos` from correctly rounded additions, multiplications and bit patterns.
+//! Logarithms, exponentials, sine and cosine from correctly rounded operations and bit patterns.
 //!
 //! Library versions differ in the last bits between platforms, lane widths and target features;
 //! these do not, because each is one fixed sequence of IEEE operations over [`Binary32`]. The
@@ -9,8 +9,10 @@
 //! | function | domain | error |
 //! |---|---|---|
 //! | [`ln`] | positive, subnormals included | ≤ 0.96 ulp |
+//! | [`ln_1p`] | above −1 | ≤ 0.96 ulp |
 //! | [`neg_ln_1m`] | 0 ≤ u < 1 | ≤ 0.9 ulp |
-//! | [`exp`] | −87.3 ≤ x ≤ 88.7 | ≤ 1.0 ulp |
+//! | [`exp`] | −87.3 ≤ x ≤ 88.7 | ≤ 1 ulp |
+//! | [`exp_m1`] | x ≤ 88.7 | ≤ 1.2 ulp |
 //! | [`sin_cos_turn`] | −4096 ≤ turn ≤ 4096 | ≤ 2 ulp, or 6e-8 absolute where the value is small |
 
 use crate::real::{Binary32, Real, Word};
@@ -20,6 +22,8 @@ const TWO_THIRDS: u32 = 0x3f2a_aaab;
 /// ln 2 in two parts; the high one has 9 trailing zero bits, so its multiples by exponents are exact.
 const LN2_HIGH: f32 = 0.693_145_75;
 const LN2_LOW: f32 = 1.428_606_8e-6;
+/// Adding 1.5 · 2²³ rounds to an integer and leaves it in the low bits.
+const ROUND: f32 = 12_582_912.0;
 
 /// `ln(1 + f) − f` for f in [−1/3, 1/3], relative to ln(1 + f) within 5e-9.
 #[inline(always)]
@@ -36,6 +40,12 @@ fn ln_1p_tail<R: Binary32>(f: R) -> R {
         -0.128_840_01,
     ];
     f * f * horner(f, &Q)
+}
+
+/// `ln(1 + f) + low` for f in [−1/3, 1/3] and a low part that is small beside it.
+#[inline(always)]
+fn with_tail<R: Binary32>(f: R, low: R) -> R {
+    f + (ln_1p_tail(f) + low)
 }
 
 /// `c[0] + x (c[1] + x (c[2] + …))`.
@@ -61,12 +71,33 @@ pub fn ln<R: Binary32>(x: R) -> R {
     let tiny = x.lt(R::splat(f32::MIN_POSITIVE));
     let scaled = R::select(tiny, x * R::splat(8_388_608.0), x);
     let shift = R::select(tiny, R::splat(-23.0), R::zero());
-    let offset = scaled.to_bits() - R::Word::splat(TWO_THIRDS);
-    let exponent = offset.shr_signed(23);
+    let exponent = exponent_near_one(scaled);
     let mantissa = R::from_bits(scaled.to_bits() - exponent.shl(23));
     let f = mantissa - R::one();
     let k = R::from_word(exponent) + shift;
-    k * R::splat(LN2_HIGH) + (f + (ln_1p_tail(f) + k * R::splat(LN2_LOW)))
+    k * R::splat(LN2_HIGH) + with_tail(f, k * R::splat(LN2_LOW))
+}
+
+/// `ln(1 + x)`, with all its digits where x is small.
+///
+/// * `x`: per lane, above −1 and finite; −1 gives a large negative number, smaller numbers and NaN
+///   give any number.
+///
+/// With s = 2⁻ᵏ that brings 1 + x into [2/3, 4/3], f = s (1 + x) − 1 is formed as (s − 1) + s x.
+/// That is exact but for 1/3 < x < 1/2, where f = x/2 − 1/2 has 25 bits. The lost one [Dekker 1971]
+/// enters through ln′ = 1/(1 + f), which is 4/3 … 3/2 there. From k = 25 on, s − 1 rounds to −1, and
+/// x is all that counts. Error at most 0.96 ulp.
+#[inline(always)]
+pub fn ln_1p<R: Binary32>(x: R) -> R {
+    let exponent = exponent_near_one(R::one() + x);
+    let k = R::from_word(exponent);
+    // Where 2⁻ᵏ has no normal number, it is as good as zero, and s x comes from the bits of x.
+    let less_one = inverse_power::<R>(exponent).max(R::zero()) - R::one();
+    let scaled = R::from_bits(x.to_bits() - exponent.shl(23));
+    let f = less_one + scaled;
+    let lost = scaled - (f - less_one);
+    let low = k * R::splat(LN2_LOW) + lost * R::splat(17.0 / 12.0);
+    k * R::splat(LN2_HIGH) + with_tail(f, low)
 }
 
 /// `−ln(1 − u)`: the free flight, in mean free paths, that a uniform number stands for.
@@ -79,12 +110,23 @@ pub fn ln<R: Binary32>(x: R) -> R {
 /// Error at most 0.9 ulp, relative, down to the smallest u.
 #[inline(always)]
 pub fn neg_ln_1m<R: Binary32>(u: R) -> R {
-    let rest = R::one() - u;
-    let exponent = (rest.to_bits() - R::Word::splat(TWO_THIRDS)).shr_signed(23);
-    let scale = R::from_bits(R::one().to_bits() - exponent.shl(23));
+    let exponent = exponent_near_one(R::one() - u);
+    let scale = inverse_power::<R>(exponent);
     let f = (scale - R::one()) - scale * u;
-    let k = R::zero() - R::from_word(exponent);
-    k * R::splat(LN2_HIGH) - (f + (ln_1p_tail(f) - k * R::splat(LN2_LOW)))
+    let k = R::from_word(exponent);
+    (R::zero() - k) * R::splat(LN2_HIGH) - with_tail(f, k * R::splat(LN2_LOW))
+}
+
+/// The k for which x · 2⁻ᵏ lies in [2/3, 4/3], of a positive x, as a signed word.
+#[inline(always)]
+fn exponent_near_one<R: Binary32>(x: R) -> R::Word {
+    (x.to_bits() - R::Word::splat(TWO_THIRDS)).shr_signed(23)
+}
+
+/// `2⁻ᵏ` for −127 ≤ k ≤ 126, zero for k = 127, a negative number beyond, down to k = 254.
+#[inline(always)]
+fn inverse_power<R: Binary32>(k: R::Word) -> R {
+    R::from_bits(R::one().to_bits() - k.shl(23))
 }
 
 /// Exponential.
@@ -95,6 +137,46 @@ pub fn neg_ln_1m<R: Binary32>(u: R) -> R {
 /// Error at most 1.0 ulp on −87.3 ≤ x ≤ 88.7.
 #[inline(always)]
 pub fn exp<R: Binary32>(x: R) -> R {
+    // Beyond these the powers of two below are none any more.
+    let (high, low, n) = exp_parts(x.max(R::splat(-126.0)).min(R::splat(126.0)));
+    let r = high - low;
+    times_power(R::one() + (r + exp_tail(r)), n)
+}
+
+/// `eˣ − 1`, with all its digits where x is small.
+///
+/// * `x`: per lane. Below −17.4 the result is −1, above 88.72 infinite; NaN gives any number.
+///
+/// ```text
+/// eˣ − 1 = 2ⁿ ((1 − 2⁻ⁿ) + (eʳ − 1)),   x = n ln 2 + r
+/// ```
+///
+/// The sum 1 − 2⁻ⁿ + r is rounded to a. What a lacks joins the small terms; it is known exactly, as
+/// |r| < ½ ≤ |1 − 2⁻ⁿ| or n = 0 [Dekker 1971]. Error at most 1.2 ulp, just above x = ½ ln 2, where
+/// the polynomial, that of [`exp`], has 0.15 ulp of it.
+#[inline(always)]
+pub fn exp_m1<R: Binary32>(x: R) -> R {
+    // Below −17.4 nothing changes any more, and 2⁻ⁿ should not leave the numbers either.
+    let (high, low, n) = exp_parts(x.max(R::splat(-26.0)).min(R::splat(126.0)));
+    let less_power = R::one() - inverse_power::<R>(n).max(R::zero());
+    let a = less_power + high;
+    let lost = high - (a - less_power);
+    times_power(a + (exp_tail(high - low) + (lost - low)), n)
+}
+
+/// `x = n ln 2 + high − low` with |high − low| ≤ ½ ln 2: high, low, and n as a signed word.
+#[inline(always)]
+fn exp_parts<R: Binary32>(x: R) -> (R, R, R::Word) {
+    let rounded = x * R::splat(core::f32::consts::LOG2_E) + R::splat(ROUND);
+    let n = rounded - R::splat(ROUND);
+    let high = x - n * R::splat(LN2_HIGH);
+    let word = rounded.to_bits() - R::splat(ROUND).to_bits();
+    (high, n * R::splat(LN2_LOW), word)
+}
+
+/// `eʳ − 1 − r` for |r| ≤ ½ ln 2.
+#[inline(always)]
+fn exp_tail<R: Binary32>(r: R) -> R {
     const P: [f32; 5] = [
         0.499_999_94,
         0.166_665_21,
@@ -102,20 +184,16 @@ pub fn exp<R: Binary32>(x: R) -> R {
         0.008_368_676,
         0.001_382_069,
     ];
-    // Adding 1.5 · 2²³ rounds to an integer and leaves it in the low bits.
-    const ROUND: f32 = 12_582_912.0;
-    // Beyond these the scale below is no power of two any more.
-    let x = x.max(R::splat(-126.0)).min(R::splat(126.0));
-    let rounded = x * R::splat(core::f32::consts::LOG2_E) + R::splat(ROUND);
-    let n = rounded - R::splat(ROUND);
-    let r = (x - n * R::splat(LN2_HIGH)) - n * R::splat(LN2_LOW);
-    let y = R::one() + (r + r * r * horner(r, &P));
-    // 2ⁿ in two factors, as n may lie outside the exponents of normal numbers.
-    let n_bits = rounded.to_bits() - R::splat(ROUND).to_bits();
-    let half = n_bits.shr_signed(1);
+    r * r * horner(r, &P)
+}
+
+/// `y · 2ⁿ`, in two factors, as n may lie outside the exponents of normal numbers.
+#[inline(always)]
+fn times_power<R: Binary32>(y: R, n: R::Word) -> R {
+    let half = n.shr_signed(1);
     let bias = R::one().to_bits();
     let first = R::from_bits(bias + half.shl(23));
-    let second = R::from_bits(bias + (n_bits - half).shl(23));
+    let second = R::from_bits(bias + (n - half).shl(23));
     y * first * second
 }
 
@@ -126,7 +204,6 @@ pub fn exp<R: Binary32>(x: R) -> R {
 pub fn sin_cos_turn<R: Binary32>(turn: R) -> (R, R) {
     const SIN: [f32; 4] = [6.283_185_5, -41.341_866, 81.625_626, -76.774_956];
     const COS: [f32; 4] = [-19.739_208, 64.939_15, -85.424_52, 58.621_06];
-    const ROUND: f32 = 12_582_912.0;
     let rounded = turn * R::splat(4.0) + R::splat(ROUND);
     let quarter = rounded.to_bits();
     let r = turn - (rounded - R::splat(ROUND)) * R::splat(0.25);
@@ -155,9 +232,14 @@ mod tests {
         assert_eq!(ln(1.0_f32), 0.0);
         assert_eq!(exp(0.0_f32), 1.0);
         assert_eq!(neg_ln_1m(0.0_f32), 0.0);
+        assert_eq!(ln_1p(0.0_f32), 0.0);
+        assert_eq!(ln_1p(1.0_f32), ln(2.0_f32));
+        assert_eq!(exp_m1(0.0_f32), 0.0);
+        assert_eq!(exp_m1(f32::NEG_INFINITY), -1.0);
         assert_eq!(sin_cos_turn(0.25_f32), (1.0, 0.0));
         assert_eq!(sin_cos_turn(0.5_f32).1, -1.0);
         assert_eq!(sin_cos_turn(0.0_f32), (0.0, 1.0));
         assert!(!ln(0.0_f32).is_nan());
+        assert!(ln_1p(-1.0_f32) < -80.0);
     }
 }

@@ -131,8 +131,12 @@ pub trait Real:
     fn ln(self) -> Self;
     /// `−ln(1 − u)` for `0 ≤ u < 1`; see [`elementary::neg_ln_1m`].
     fn neg_ln_1m(self) -> Self;
+    /// `ln(1 + self)`; see [`elementary::ln_1p`].
+    fn ln_1p(self) -> Self;
     /// Exponential; see [`elementary::exp`].
     fn exp(self) -> Self;
+    /// `e^self − 1`; see [`elementary::exp_m1`].
+    fn exp_m1(self) -> Self;
     /// Sine and cosine of an angle given as a fraction of a full turn; see
     /// [`elementary::sin_cos_turn`].
     fn sin_cos_turn(self) -> (Self, Self);
@@ -278,7 +282,8 @@ fn clamped<T: Copy + Default>(table: &[T], index: u32) -> T {
 }
 
 macro_rules! one_lane {
-    ($float:ty, sqrt = $sqrt:path, ln = $ln:expr, neg_ln_1m = $neg_ln_1m:expr, exp = $exp:expr, sin_cos_turn = $sin_cos:expr) => {
+    ($float:ty, sqrt = $sqrt:path, ln = $ln:expr, neg_ln_1m = $neg_ln_1m:expr, ln_1p = $ln_1p:expr,
+     exp = $exp:expr, exp_m1 = $exp_m1:expr, sin_cos_turn = $sin_cos:expr) => {
         impl Real for $float {
             type Mask = bool;
             type Word = Word32;
@@ -347,8 +352,16 @@ macro_rules! one_lane {
                 $neg_ln_1m(self)
             }
             #[inline(always)]
+            fn ln_1p(self) -> Self {
+                $ln_1p(self)
+            }
+            #[inline(always)]
             fn exp(self) -> Self {
                 $exp(self)
+            }
+            #[inline(always)]
+            fn exp_m1(self) -> Self {
+                $exp_m1(self)
             }
             #[inline(always)]
             fn sin_cos_turn(self) -> (Self, Self) {
@@ -375,7 +388,9 @@ one_lane!(
     sqrt = sqrt_f32,
     ln = elementary::ln,
     neg_ln_1m = elementary::neg_ln_1m,
+    ln_1p = elementary::ln_1p,
     exp = elementary::exp,
+    exp_m1 = elementary::exp_m1,
     sin_cos_turn = elementary::sin_cos_turn
 );
 one_lane!(
@@ -383,7 +398,9 @@ one_lane!(
     sqrt = libm::sqrt,
     ln = libm::log,
     neg_ln_1m = |u: f64| -libm::log1p(-u),
+    ln_1p = libm::log1p,
     exp = libm::exp,
+    exp_m1 = libm::expm1,
     sin_cos_turn = |turn: f64| libm::sincos(core::f64::consts::TAU * turn)
 );
 

@@ -270,8 +270,16 @@ impl Real for Lanes {
         elementary::neg_ln_1m(self)
     }
     #[inline(always)]
+    fn ln_1p(self) -> Self {
+        elementary::ln_1p(self)
+    }
+    #[inline(always)]
     fn exp(self) -> Self {
         elementary::exp(self)
+    }
+    #[inline(always)]
+    fn exp_m1(self) -> Self {
+        elementary::exp_m1(self)
     }
     #[inline(always)]
     fn sin_cos_turn(self) -> (Self, Self) {
