@@ -59,6 +59,7 @@ pub mod path;
 pub mod phase;
 pub mod ray;
 pub mod real;
+pub mod spectral;
 pub mod stream;
 pub mod transmittance;
 pub mod vec3;
