@@ -3,6 +3,8 @@
 //! A registry names files; a module of the same name here says how that file's functions are called. A file
 //! without such a module fails to compile as soon as it has a row.
 
+pub mod spectral;
+
 /// Samplers of free flights.
 pub mod free_flight {
     use woodcock_core::free_flight::{self, Flight};
