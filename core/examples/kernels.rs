@@ -12,7 +12,7 @@ use woodcock_core::free_flight::{self, Flight};
 use woodcock_core::line_integral;
 use woodcock_core::majorant::{GridLayout, GridWalk};
 use woodcock_core::medium::{
-    Cells, Exponential, Grid, Homogeneous, Linear, Overlap, Placed, Procedural, ProceduralGrid,
+    Exponential, Grid, Homogeneous, Linear, Overlap, Placed, Procedural, ProceduralGrid, Voxels,
     Within,
 };
 use woodcock_core::path::{Atlas, OneGrid, OneHomogeneous};
@@ -68,7 +68,7 @@ macro_rules! piecewise_constant {
     )*};
 }
 piecewise_constant! {
-    Cells<'_>: regular_flight_in_cells regular_weight_in_cells;
+    Voxels<'_>: regular_flight_in_voxels regular_weight_in_voxels;
 }
 
 macro_rules! controlled {
