@@ -8,6 +8,7 @@ mod lanes;
 mod majorant;
 mod medium;
 mod phase;
+mod random_walk;
 mod stability;
 mod stream;
 mod transmittance;
