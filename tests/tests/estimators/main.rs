@@ -9,6 +9,7 @@ mod lanes;
 mod majorant;
 mod medium;
 mod phase;
+mod random_walk;
 mod spectral;
 mod stability;
 mod stream;
