@@ -21,7 +21,7 @@ mod tally;
 
 pub use body::{Ball, Block, Body, Lit, Slab, Space, Stretch};
 pub use flights::{Closed, Flights, Tracked, UnderBound};
-pub use law::{Draine, HenyeyGreenstein, Isotropic, Law, Mixture, Rayleigh};
+pub use law::{Draine, HenyeyGreenstein, Isotropic, Law, Lobes, Rayleigh};
 pub use mistake::Mistake;
 pub use tally::{Run, tally};
 

@@ -51,15 +51,15 @@ impl Closed {
 
 impl Flights for Closed {
     #[inline]
-    fn fly(&self, _: &Ray<f32>, t_max: f32, rng: &mut PathStream) -> Flight<f32> {
-        free_flight::analytic::sample(&self.0, t_max, rng, true)
+    fn fly(&self, ray: &Ray<f32>, t_max: f32, rng: &mut PathStream) -> Flight<f32> {
+        free_flight::analytic::sample(&self.0, ray, t_max, rng, true)
     }
     fn fly_tentative(&self, ray: &Ray<f32>, t_max: f32, rng: &mut PathStream) -> Flight<f32> {
         self.fly(ray, t_max, rng)
     }
     #[inline]
-    fn transmittance(&self, _: &Ray<f32>, t_max: f32, _: &mut PathStream) -> f32 {
-        transmittance::analytic::estimate(&self.0, t_max)
+    fn transmittance(&self, ray: &Ray<f32>, t_max: f32, _: &mut PathStream) -> f32 {
+        transmittance::analytic::estimate(&self.0, ray, t_max)
     }
 }
 
@@ -99,8 +99,8 @@ impl<M: Medium<f32>> Flights for Tracked<M> {
     fn fly(&self, ray: &Ray<f32>, t_max: f32, rng: &mut PathStream) -> Flight<f32> {
         free_flight::delta::sample(&self.medium, ray, t_max, rng, true)
     }
-    fn fly_tentative(&self, _: &Ray<f32>, t_max: f32, rng: &mut PathStream) -> Flight<f32> {
-        free_flight::analytic::sample(&self.bound, t_max, rng, true)
+    fn fly_tentative(&self, ray: &Ray<f32>, t_max: f32, rng: &mut PathStream) -> Flight<f32> {
+        free_flight::analytic::sample(&self.bound, ray, t_max, rng, true)
     }
     #[inline]
     fn transmittance(&self, ray: &Ray<f32>, t_max: f32, rng: &mut PathStream) -> f32 {

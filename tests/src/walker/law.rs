@@ -1,7 +1,8 @@
-//! Where a collision sends a walk: core's phase functions, and what can be composed of them.
+//! Where a collision sends a walk: core's phase functions.
 
 use super::Draws;
 use woodcock_core::phase;
+use woodcock_core::phase::two_lobe::TwoLobe;
 use woodcock_core::vec3::Vec3;
 
 /// A phase function, which may depend on the place.
@@ -78,36 +79,23 @@ impl Law for Rayleigh {
     }
 }
 
-/// One of two laws at random, with one draw of its own.
+/// `phase/two_lobe.rs`.
 #[derive(Clone, Copy, Debug)]
-pub struct Mixture<A, B> {
-    /// Probability of the first.
-    pub share: f32,
-    /// The first.
-    pub first: A,
-    /// The second.
-    pub second: B,
-}
+pub struct Lobes(
+    /// Both lobes.
+    pub TwoLobe<f32>,
+);
 
-impl<A: Law, B: Law> Law for Mixture<A, B> {
-    fn cosine(&self, at: &Vec3<f32>, draws: &mut Draws) -> f32 {
-        if draws.uniform() < self.share {
-            self.first.cosine(at, draws)
-        } else {
-            self.second.cosine(at, draws)
-        }
+impl Law for Lobes {
+    fn cosine(&self, _: &Vec3<f32>, draws: &mut Draws) -> f32 {
+        self.0.sample(draws.uniform())
     }
-    fn density(&self, at: &Vec3<f32>, cosine: f32) -> f32 {
-        let (first, second) = (
-            self.first.density(at, cosine),
-            self.second.density(at, cosine),
-        );
-        self.share * first + (1.0 - self.share) * second
+    fn density(&self, _: &Vec3<f32>, cosine: f32) -> f32 {
+        self.0.eval(cosine)
     }
 }
 
-/// Draine's phase function, by rejection from Henyey–Greenstein: a cosine c of that lobe is kept with probability
-/// (1 + αc²)/(1 + α).
+/// `phase/draine.rs`.
 #[derive(Clone, Copy, Debug)]
 pub struct Draine {
     /// Parameter of the lobe; not the mean cosine.
@@ -117,17 +105,10 @@ pub struct Draine {
 }
 
 impl Law for Draine {
-    fn cosine(&self, at: &Vec3<f32>, draws: &mut Draws) -> f32 {
-        loop {
-            let cosine = HenyeyGreenstein(self.g).cosine(at, draws);
-            if draws.uniform() * (1.0 + self.alpha) < 1.0 + self.alpha * cosine * cosine {
-                return cosine;
-            }
-        }
+    fn cosine(&self, _: &Vec3<f32>, draws: &mut Draws) -> f32 {
+        phase::draine::sample(draws.uniform(), self.g, self.alpha)
     }
-    fn density(&self, at: &Vec3<f32>, cosine: f32) -> f32 {
-        let norm = 1.0 + self.alpha * (1.0 + 2.0 * self.g * self.g) / 3.0;
-        let lobe = HenyeyGreenstein(self.g).density(at, cosine);
-        lobe * (1.0 + self.alpha * cosine * cosine) / norm
+    fn density(&self, _: &Vec3<f32>, cosine: f32) -> f32 {
+        phase::draine::eval(cosine, self.g, self.alpha)
     }
 }

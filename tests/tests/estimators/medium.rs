@@ -384,7 +384,7 @@ impl<R: Real, S: KeyedStream<R>> Question<R> for Means<S> {
     ) {
         let all = everyone::<R>();
         let along: Ray<R> = ray(chord.origin, chord.direction);
-        for share in [0.0, 0.11, 0.5, 0.83] {
+        for share in [0.0, 0.11, 0.47, 0.83] {
             let t = share * chord.t_max;
             let exact = sigma_t(std::array::from_fn(|a| {
                 chord.origin[a] + t * chord.direction[a]

@@ -11,10 +11,11 @@
 //! (depolarised Rayleigh, Schlick, tabulated, Mie).
 
 use super::{Ledger, honest_and, names, record};
+use woodcock_core::phase::two_lobe::TwoLobe;
 use woodcock_tests::refs::phase_functions::{Kind, load};
 use woodcock_tests::stats::{Mutants, Sample, judge_within};
 use woodcock_tests::walker::{
-    Closed, Draine, HenyeyGreenstein, Law, Mistake, Mixture, Rayleigh, Run, Space, Walk, ray, tally,
+    Closed, Draine, HenyeyGreenstein, Law, Lobes, Mistake, Rayleigh, Run, Space, Walk, ray, tally,
 };
 
 /// Core's law of a kind, if it has one.
@@ -26,11 +27,11 @@ fn law(kind: Kind) -> Option<Box<dyn Law>> {
             g: g as f32,
             alpha: alpha as f32,
         }),
-        Kind::TwoTermHg { w, g1, g2 } => Box::new(Mixture {
+        Kind::TwoTermHg { w, g1, g2 } => Box::new(Lobes(TwoLobe {
             share: w as f32,
-            first: HenyeyGreenstein(g1 as f32),
-            second: HenyeyGreenstein(g2 as f32),
-        }),
+            g1: g1 as f32,
+            g2: g2 as f32,
+        })),
         Kind::RayleighDepol { .. } | Kind::Schlick { .. } => return None,
     })
 }

@@ -1,14 +1,14 @@
 //! Slabs with other phase functions, with layers, and with an albedo that varies with depth.
 //!
-//! Left out: the slab over a ground, which is a surface. Mixtures and Draine's function are composed of core's
-//! Henyey–Greenstein.
+//! Left out: the slab over a ground, which is a surface.
 
 use super::{Light, UNIT};
 use crate::random_walk::Ledger;
+use woodcock_core::phase::two_lobe::TwoLobe;
 use woodcock_core::vec3::Vec3;
 use woodcock_tests::refs::slab_matched::{self, Inputs, Special};
 use woodcock_tests::walker::{
-    Closed, Draine, Draws, HenyeyGreenstein, Law, Mixture, Rayleigh, Run, Walk, tally,
+    Closed, Draine, Draws, HenyeyGreenstein, Law, Lobes, Rayleigh, Run, Walk, tally,
 };
 
 /// Optical thickness, phase function, and albedo by depth.
@@ -44,11 +44,11 @@ fn filling(slab: &Special) -> Option<Filling> {
             tau,
             ..
         } => {
-            let law = Mixture {
+            let law = Lobes(TwoLobe {
                 share: w as f32,
-                first: HenyeyGreenstein(g1 as f32),
-                second: HenyeyGreenstein(g2 as f32),
-            };
+                g1: g1 as f32,
+                g2: g2 as f32,
+            });
             (tau, Box::new(law), constant(albedo))
         }
         &Inputs::Named {
