@@ -11,4 +11,5 @@ mod medium;
 mod phase;
 mod stability;
 mod stream;
+mod stress;
 mod transmittance;
