@@ -12,7 +12,9 @@ use std::hint::black_box;
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use woodcock_benches::Cube;
 use woodcock_core::majorant::{GridLayout, GridWalk, MajorantGrid};
-use woodcock_core::phase::henyey_greenstein;
+use woodcock_core::phase::mie_fit::MieFit;
+use woodcock_core::phase::tabulated::{Tabulated, fill_cumulative};
+use woodcock_core::phase::{draine, henyey_greenstein};
 use woodcock_core::ray::Ray;
 use woodcock_core::real::{Mask, Real};
 use woodcock_core::stream::{Key, KeyedStream, PathStream, Stream};
@@ -87,6 +89,39 @@ fn phase(c: &mut Criterion) {
         |u| henyey_greenstein::eval(u, g),
         |u| henyey_greenstein::eval(u, Lanes::splat(g)),
     );
+    let alpha = 20.0;
+    both(
+        c,
+        "phase/draine/sample",
+        |u| draine::sample(u, g, alpha),
+        |u| draine::sample(u, Lanes::splat(g), Lanes::splat(alpha)),
+    );
+    let diameter = 20.0;
+    if let (Ok(one), Ok(eight)) = (MieFit::<f32>::new(diameter), MieFit::<Lanes>::new(diameter)) {
+        both(
+            c,
+            "phase/mie_fit/sample",
+            |u| one.sample(u),
+            |u| eight.sample(u),
+        );
+    }
+    // The same lobe as Henyey–Greenstein's above, from 1024 segments.
+    let cosines: Vec<f32> = (0..=1024).map(|i| i as f32 / 512.0 - 1.0).collect();
+    let values: Vec<f32> = cosines
+        .iter()
+        .map(|&cosine| henyey_greenstein::eval(cosine, g))
+        .collect();
+    let mut cumulative = vec![0.0; cosines.len()];
+    if fill_cumulative(&cosines, &values, &mut cumulative).is_ok()
+        && let Ok(table) = Tabulated::new(&cosines, &values, &cumulative)
+    {
+        both(
+            c,
+            "phase/tabulated/sample",
+            |u| table.sample(u),
+            |u| table.sample(u),
+        );
+    }
 }
 
 /// 1024 numbers from a stream of one path, or 128 from each of eight.

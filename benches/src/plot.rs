@@ -108,7 +108,7 @@ pub fn draw(panels: &[Panel], path: &Path) -> Result<(), Box<dyn std::error::Err
         let swatch = [(x, y + 7), (x + 24, y + 7)];
         lower.draw(&PathElement::new(swatch, colour(index).stroke_width(3)))?;
         let text = if curve.biased {
-            format!("{} (BIASED, dashed)", curve.name)
+            format!("{}, BIASED", curve.name)
         } else {
             curve.name.clone()
         };

@@ -105,6 +105,7 @@ pub mod path;
 pub mod phase;
 pub mod ray;
 pub mod real;
+pub mod spectral;
 pub mod stability;
 pub mod stream;
 pub mod sum;

@@ -37,6 +37,10 @@ use crate::stream::Stream;
 ///
 /// Cost: a pass over the majorant segments without look-ups, then at most n ∫σ̄T dt look-ups. One draw
 /// for the comb; a walk's further draws are those of delta tracking. Inactive lanes give zero.
+#[expect(
+    clippy::too_many_arguments,
+    reason = "each is one thing of the formula; a struct would only rename them"
+)]
 #[inline]
 pub fn collisions<R: Real, M: Medium<R>>(
     medium: &M,
@@ -82,6 +86,10 @@ pub fn collisions<R: Real, M: Medium<R>>(
 ///   to the end, which on deep rays costs n ∫σ̄ dt look-ups.
 ///
 /// Otherwise as [`collisions`]; no estimate below zero where c_V, c_∂V are not negative.
+#[expect(
+    clippy::too_many_arguments,
+    reason = "each is one thing of the formula; a struct would only rename them"
+)]
 #[inline]
 pub fn tentative<R: Real, M: Medium<R>>(
     medium: &M,

@@ -3,7 +3,8 @@
 //! [`stats`] judges, [`refs`] holds tables that no code of this workspace produced, [`fixtures`] turns the densities
 //! among them into functions that a tracker can fly through, [`grids`] and [`depth`] are the oracle of sampled media,
 //! [`rows`] and [`widths`] let one suite serve every estimator at every width, [`mutants`] must not survive it,
-//! [`scenes`] are what whole paths are compared on, and [`pictures`] renders scenes written as text.
+//! [`walker`] sends particles through core's estimators, [`scenes`] are what whole paths are compared on, and
+//! [`pictures`] renders scenes written as text.
 #![forbid(unsafe_code)]
 
 pub mod depth;
@@ -15,4 +16,5 @@ pub mod refs;
 pub mod rows;
 pub mod scenes;
 pub mod stats;
+pub mod walker;
 pub mod widths;

@@ -3,6 +3,8 @@
 //! A registry names files; a module of the same name here says how that file's functions are called. A file
 //! without such a module fails to compile as soon as it has a row.
 
+pub mod spectral;
+
 use woodcock_core::medium::{ClosedForm, Controlled, Homogeneous, PiecewiseConstant};
 use woodcock_core::ray::Ray;
 use woodcock_core::real::Real;

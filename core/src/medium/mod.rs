@@ -5,7 +5,7 @@
 //! [`for_each_medium`](crate::for_each_medium) names them for tests and benches.
 
 mod audited;
-mod cells;
+
 mod emissive;
 mod exponential;
 mod grid;
@@ -16,10 +16,10 @@ mod overlap;
 mod placed;
 mod procedural;
 mod procedural_grid;
+mod voxels;
 mod within;
 
 pub use audited::Audited;
-pub use cells::{Cells, CellsError, cell_count, fill_cells};
 pub use emissive::{Emission, Emissive};
 pub use exponential::Exponential;
 pub use grid::{Affine, Grid, IDENTITY, transform_ray};
@@ -30,6 +30,7 @@ pub use overlap::Overlap;
 pub use placed::Placed;
 pub use procedural::Procedural;
 pub use procedural_grid::ProceduralGrid;
+pub use voxels::{Voxels, VoxelsError, fill_voxels, voxel_count};
 pub use within::Within;
 
 use crate::majorant::Segment;
@@ -46,7 +47,7 @@ macro_rules! for_each_medium {
         $row!(exponential);
         $row!(grid);
         $row!(interpolated);
-        $row!(cells);
+        $row!(voxels);
         $row!(procedural);
         $row!(procedural_grid);
         $row!(overlap);

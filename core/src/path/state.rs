@@ -1,12 +1,13 @@
 //! The paths of all lanes, and the steps that move them from stage to stage.
 
-use crate::collision::{self, Chromatic};
+use crate::collision;
 use crate::free_flight::delta::is_real;
 use crate::majorant::Tracker;
 use crate::path::{Counts, Geometry, Optics, PathMedium, PathSample, Scene, ShadowEstimator};
 use crate::phase::Phase;
 use crate::ray::{FAR, Ray};
 use crate::real::{Mask, Real, Word};
+use crate::spectral::{Tentative, history_aware};
 use crate::stream::KeyedStream;
 use crate::transmittance::{self, Rule};
 use crate::vec3::Vec3;
@@ -318,13 +319,15 @@ where
         if flight.any() {
             real = if CHROMATIC {
                 let optics = scene.medium.optics(&self.tracker.walk);
-                let event = Chromatic {
+                let event = Tentative {
                     sigma_t,
                     majorant,
-                    colour: optics.colour,
+                    colour: optics.colour.into(),
                 };
-                let (real, throughput) = event.decide(self.throughput, &mut self.stream, flight);
-                self.throughput = throughput;
+                let weight = self.throughput.into();
+                let (real, weight) =
+                    history_aware::decide(&event, weight, &mut self.stream, flight);
+                self.throughput = weight.into();
                 real
             } else {
                 is_real::<R, M>(sigma_t, majorant, &mut self.stream, flight)

@@ -2,12 +2,17 @@
 //!
 //! Each file has one as a trio of `eval` (which is also the density of its sampling), `sample` and
 //! `invert`, all of the cosine between the directions of travel before and after: forward is +1.
-//! Every one is normalised over the sphere [1/sr]. The registry
-//! [`for_each_phase`](crate::for_each_phase) names them for tests and benches.
+//! Every one is normalised over the sphere [1/sr]. Blends take their lobe from the same u, so a cosine
+//! has several; their `invert` asks which, and `cumulative` is the distribution function. The registry
+//! [`for_each_phase`](crate::for_each_phase) names all for tests and benches.
 
+pub mod draine;
 pub mod henyey_greenstein;
 pub mod isotropic;
+pub mod mie_fit;
 pub mod rayleigh;
+pub mod tabulated;
+pub mod two_lobe;
 
 /// Calls `$row!(name)` for each file of this folder.
 #[macro_export]
@@ -16,6 +21,10 @@ macro_rules! for_each_phase {
         $row!(isotropic);
         $row!(henyey_greenstein);
         $row!(rayleigh);
+        $row!(two_lobe);
+        $row!(draine);
+        $row!(mie_fit);
+        $row!(tabulated);
     };
 }
 

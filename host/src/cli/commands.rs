@@ -18,7 +18,7 @@ use crate::render::{Kernel, Plan, kernel_name, render_pass, replay as replay_pat
 use crate::report::{Statistics, cpu_time};
 use crate::scene::{self, DiskFiles, Files, Scene, SceneError};
 use crate::volume::Limits;
-use crate::world::{self, Feature, World};
+use crate::world::{self, COLLISION_LIMIT, Feature, World};
 
 /// Samples per pixel where neither the scene nor the user says.
 const DEFAULT_SAMPLES: u32 = 64;
@@ -109,6 +109,16 @@ fn plan(args: &RenderArgs, scene: &Scene, world: &World) -> Result<(Plan, String
         let error = SceneError::of_file("the scene", message);
         return Err(error
             .help("give --max-depth, let the medium absorb, or bound it by a surface")
+            .into());
+    }
+    let expected = world.collisions_expected();
+    if expected.min(f64::from(plan.settings.max_depth)) > COLLISION_LIMIT {
+        let message = format!(
+            "paths are expected to collide about {expected:.0e} times each, more than {COLLISION_LIMIT:.0e}"
+        );
+        let error = SceneError::of_file("the scene", message);
+        return Err(error
+            .help("give --max-depth, lower the extinction, or let the medium absorb")
             .into());
     }
     Ok((plan, estimator.name().to_owned()))

@@ -7,10 +7,12 @@ mod locate;
 mod medium;
 mod needs;
 mod shape;
+mod work;
 
 pub use boundaries::{Boundaries, Sides};
 pub use medium::{Medium, Support, Tables};
 pub use needs::{Decision, Feature, Need, Needs};
+pub use work::LIMIT as COLLISION_LIMIT;
 
 use glam::{DAffine3, DVec3};
 use woodcock_core::camera::{self, Camera};
@@ -62,6 +64,10 @@ pub struct World {
     pub max_depth: Option<u32>,
     /// What the user should know.
     pub warnings: Vec<Warning>,
+    /// The diameter of what bounds the media \[length\]; infinite where one fills space.
+    extent: f64,
+    /// The camera may be inside one.
+    camera_within: bool,
 }
 
 /// Choices of the user that shape the assembly.
@@ -87,19 +93,57 @@ impl World {
         }
     }
 
+    /// About how often a path collides on average, if nothing cuts it off; see [`COLLISION_LIMIT`].
+    pub fn collisions_expected(&self) -> f64 {
+        let of = |m| work::collisions(m, &self.tables, self.extent, self.camera_within);
+        self.media.iter().map(of).fold(0.0, f64::max)
+    }
+
     /// Whether a medium without bounds scatters some colour without ever absorbing it, so that a path in it ends
     /// only where it is cut off.
     pub fn is_endless(&self) -> bool {
-        let exterior = match &self.place {
-            Location::Convex(Convex::Everywhere) => Some(0),
-            Location::Boundaries(boundaries) => boundaries.exterior(),
-            _ => None,
-        };
-        let medium = exterior.and_then(|index| self.media.get(index));
+        let medium = exterior(&self.place).and_then(|index| self.media.get(index));
         medium.is_some_and(|m| {
             let record = &m.record;
             m.support.is_none() && (0..3).any(|c| record.albedo[c] == 1.0 && record.colour[c] > 0.0)
         })
+    }
+}
+
+/// The medium that fills what nothing else does.
+fn exterior(place: &Location) -> Option<usize> {
+    match place {
+        Location::Convex(Convex::Everywhere) => Some(0),
+        Location::Boundaries(boundaries) => boundaries.exterior(),
+        _ => None,
+    }
+}
+
+/// The diameter of all boundaries together \[length\].
+fn diameter(scene: &Scene) -> f64 {
+    let mut low = DVec3::INFINITY;
+    let mut high = DVec3::NEG_INFINITY;
+    let mut add = |p: DVec3| {
+        low = low.min(p);
+        high = high.max(p);
+    };
+    for boundary in &scene.boundaries {
+        match &boundary.shape {
+            Shape::Sphere(sphere) => {
+                let map = &sphere.object_to_world;
+                for axis in 0..3 {
+                    let reach = map.matrix3.col(axis) * sphere.radius * 3.0_f64.sqrt();
+                    add(map.translation + reach);
+                    add(map.translation - reach);
+                }
+            }
+            Shape::TriangleMesh(mesh) => mesh.positions.iter().copied().for_each(&mut add),
+        }
+    }
+    if low.is_finite() {
+        (high - low).length()
+    } else {
+        f64::INFINITY
     }
 }
 
@@ -188,7 +232,14 @@ pub fn assemble(scene: &Scene, files: &dyn Files, options: &Options) -> Result<W
         .flat_map(|m| m.record.to_words())
         .collect::<Vec<_>>();
     debug_assert_eq!(records.len(), assembled.media.len() * RECORD_WORDS);
+    let extent = if exterior(&place).is_some() {
+        f64::INFINITY
+    } else {
+        diameter(scene)
+    };
     Ok(World {
+        extent,
+        camera_within: scene.camera_medium.is_some(),
         resolution,
         window,
         camera: camera(scene, resolution, origin),

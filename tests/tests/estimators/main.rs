@@ -9,6 +9,8 @@ mod lanes;
 mod majorant;
 mod medium;
 mod phase;
+mod random_walk;
+mod spectral;
 mod stability;
 mod stream;
 mod stress;

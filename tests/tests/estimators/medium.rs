@@ -4,8 +4,8 @@ use woodcock_core::for_each_medium;
 use woodcock_core::majorant::GridLayout;
 use woodcock_core::majorant::GridWalk;
 use woodcock_core::medium::{
-    Affine, Cells, Controlled, Exponential, Grid, Homogeneous, IDENTITY, Interpolated, Linear,
-    Medium, Overlap, Placed, Procedural, Within, cell_count, fill_cells,
+    Affine, Controlled, Exponential, Grid, Homogeneous, IDENTITY, Interpolated, Linear, Medium,
+    Overlap, Placed, Procedural, Voxels, Within, fill_voxels, voxel_count,
 };
 use woodcock_core::ray::Ray;
 use woodcock_core::real::{Mask, Real};
@@ -177,7 +177,7 @@ mod rows {
         }
     }
 
-    /// Cells with their table.
+    /// Voxels with their table.
     pub(super) struct Blocks {
         dims: [u32; 3],
         table: Vec<f32>,
@@ -194,8 +194,8 @@ mod rows {
                 }
             };
             let values: Vec<f32> = (0..count).map(value).collect();
-            let mut table = vec![f32::NAN; cell_count(dims).expect("few cells")];
-            fill_cells(&values, dims, &mut table).expect("lengths that fit");
+            let mut table = vec![f32::NAN; voxel_count(dims).expect("few cells")];
+            fill_voxels(&values, dims, &mut table).expect("lengths that fit");
             Self { dims, table }
         }
         pub(super) fn at(&self, p: [f64; 3]) -> f64 {
@@ -203,13 +203,13 @@ mod rows {
             let [nx, ny, _] = self.dims.map(|n| n as usize + 2);
             f64::from(self.table[x + nx * (y + ny * z)])
         }
-        pub(super) fn medium(&self, world_to_grid: Affine, scale: f32) -> Cells<'_> {
-            Cells::new(&self.table, self.dims, world_to_grid, scale).expect("valid cells")
+        pub(super) fn medium(&self, world_to_grid: Affine, scale: f32) -> Voxels<'_> {
+            Voxels::new(&self.table, self.dims, world_to_grid, scale).expect("valid cells")
         }
     }
 
-    pub(super) struct OfCells;
-    impl Row for OfCells {
+    pub(super) struct OfVoxels;
+    impl Row for OfVoxels {
         fn put<R: Real>(question: &mut impl Question<R>) {
             for dims in [[8, 8, 8], [1, 1, 1], [13, 2, 5]] {
                 let blocks = Blocks::random(dims, 61);
@@ -299,7 +299,7 @@ mod rows {
     pub(super) type exponential = Atmosphere;
     pub(super) type interpolated = InFull;
     pub(super) type linear = Ramp;
-    pub(super) type cells = OfCells;
+    pub(super) type voxels = OfVoxels;
     pub(super) type overlap = Sum;
     pub(super) type placed = Moved;
     pub(super) type within = Boxed;
@@ -384,7 +384,7 @@ impl<R: Real, S: KeyedStream<R>> Question<R> for Means<S> {
     ) {
         let all = everyone::<R>();
         let along: Ray<R> = ray(chord.origin, chord.direction);
-        for share in [0.0, 0.11, 0.5, 0.83] {
+        for share in [0.0, 0.11, 0.47, 0.83] {
             let t = share * chord.t_max;
             let exact = sigma_t(std::array::from_fn(|a| {
                 chord.origin[a] + t * chord.direction[a]

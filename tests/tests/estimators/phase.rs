@@ -5,102 +5,67 @@
 
 use std::f64::consts::PI;
 use woodcock_core::for_each_phase;
-use woodcock_core::phase;
 use woodcock_core::real::Real;
 use woodcock_core::stream::{PathStream, Stream};
 use woodcock_packet::lanes::{LANES, Lanes};
-use woodcock_tests::refs::phase_functions::{Kind, load};
-use woodcock_tests::refs::quadrature::integrate;
 use woodcock_tests::stats::{
-    ChiSquare, Mutants, Sample, Verdict, assert_verdict, judge_within, samples, seed,
+    ChiSquare, Sample, Verdict, assert_verdict, judge_within, samples, seed,
 };
 use woodcock_tests::widths::{collect, everyone};
 
+mod constructors;
+mod identities;
+mod law;
+mod mutants;
+mod references;
 mod rows;
-use rows::Trio;
+mod tables;
 
-/// ∫ f over [−1, 1], on panels that shrink towards both ends, where narrow lobes sit.
-fn over_cosines(mut f: impl FnMut(f64) -> f64) -> f64 {
-    let mut edges: Vec<f64> = (1..48).map(|k| 1.0 - 0.5_f64.powi(k)).collect();
-    edges.extend([0.0, 1.0]);
-    edges.sort_by(f64::total_cmp);
-    edges
-        .windows(2)
-        .map(|w| integrate(w[0], w[1], 1, &mut f) + integrate(-w[1], -w[0], 1, &mut f))
-        .sum()
+use law::Law;
+use rows::{Case, Parameters, Row};
+
+/// Cosines from −1 to 1, evenly, both ends included.
+fn cosines(steps: i32) -> impl Iterator<Item = f32> {
+    (-steps..=steps).map(move |i| i as f32 / steps as f32)
 }
 
-fn integrals<T: Trio>() {
-    for (g, kind) in T::parameters() {
-        let double = |c: f64| 2.0 * PI * T::eval(c, f64::from(g));
+fn integrals<T: Row>() {
+    for case in T::cases() {
+        let Case { row, p, ref law } = case;
+        let name = case.name();
         let close = |what: &str, got: f64, expected: f64, by: f64| {
             assert!(
                 (got - expected).abs() <= by,
-                "{what} at {kind:?}: {got} for {expected}"
+                "{what} of {name}: {got} for {expected}"
             );
         };
         // 1/4π is a constant of `f32`, good to 5e-8.
-        close("norm", over_cosines(double), 1.0, 1e-7);
+        let double = |c: f64| 2.0 * PI * row.eval(c, p);
+        close("norm", law.over(-1.0, 1.0, double), 1.0, 1e-7);
+        let mean = law.over(-1.0, 1.0, |c| c * double(c));
+        close("mean cosine", mean, law.moment(1), 1e-7);
         close(
-            "mean cosine",
-            over_cosines(|c| c * double(c)),
-            f64::from(g),
+            "stated mean cosine",
+            row.mean_cosine(p),
+            law.moment(1),
             1e-7,
         );
-        // The density of `f32` against that of `f64`, everywhere.
-        for i in -4000..=4000 {
-            let c = i as f32 / 4000.0;
-            let (one, exact) = (f64::from(T::eval(c, g)), kind.eval(f64::from(c)));
+        let single = case.single();
+        let mut share = 0.0;
+        let mut before = -1.0;
+        for c in cosines(4000) {
+            // The density and the distribution function of `f32` against those of the law.
+            let (one, exact) = (f64::from(row.eval(c, single)), law.eval(f64::from(c)));
             assert!(
-                (one / exact - 1.0).abs() < 2e-6,
-                "p({c}) at {kind:?}: {one} for {exact}"
+                (one - exact).abs() <= T::DENSITY * exact,
+                "p({c}) of {name}: {one} for {exact}"
             );
+            share += law.share(before, f64::from(c));
+            before = f64::from(c);
+            let one = f64::from(row.cumulative(c, single));
+            close("distribution function", one, share, 8e-7);
         }
     }
-}
-
-fn tables<T: Trio>() {
-    let table = load();
-    let mut compared = 0;
-    for (g, kind) in T::parameters() {
-        let near = |other: &Kind| match (kind, other) {
-            (Kind::Hg { g }, Kind::Hg { g: other }) => (g - other).abs() < 1e-6,
-            (kind, other) => kind == *other,
-        };
-        for function in table.functions.iter().filter(|f| near(&f.kind)) {
-            let exact_g = match function.kind {
-                Kind::Hg { g } => g,
-                _ => f64::from(g),
-            };
-            compared += 1;
-            for (i, &c) in table.cos.iter().enumerate() {
-                let p = T::eval(c, exact_g);
-                assert!((p / function.p[i] - 1.0).abs() < 1e-7, "p({c}) at {kind:?}");
-                let u = T::invert(c, exact_g);
-                let u = if exact_g < 0.0 { 1.0 - u } else { u };
-                assert!(
-                    (u - function.cdf[i]).abs() < 1e-12,
-                    "cdf({c}) at {kind:?}: {u}"
-                );
-            }
-            for (i, &xi) in table.xi.iter().enumerate() {
-                // Core counts from the back of the lobe, the table from the cosine −1.
-                let xi = if exact_g < 0.0 { 1.0 - xi } else { xi };
-                let exact = function.inv_cdf[i];
-                let c = T::sample(xi, exact_g);
-                assert!(
-                    (c - exact).abs() < 1e-7,
-                    "cosine at {xi} of {kind:?}: {c} for {exact}"
-                );
-                let c = f64::from(T::sample(xi as f32, exact_g as f32));
-                assert!(
-                    (c - exact).abs() < 1e-6,
-                    "cosine at {xi} of {kind:?} in f32: {c} for {exact}"
-                );
-            }
-        }
-    }
-    assert!(compared > 0, "the table has none of these");
 }
 
 /// Uniform numbers at both ends and between.
@@ -120,123 +85,193 @@ fn uniforms() -> Vec<f32> {
     all
 }
 
-fn round_trips<T: Trio>() {
-    for (g, kind) in T::parameters() {
-        let mut before = -1.0;
-        let mut sorted = uniforms();
-        sorted.sort_by(f32::total_cmp);
-        for &u in &sorted {
-            let cosine = T::sample(u, g);
+fn round_trips<T: Row>() {
+    for case in T::cases() {
+        if T::MONOTONE {
+            one_map(&case);
+        } else {
+            several_ways(&case);
+        }
+    }
+}
+
+/// From u to the cosine and back.
+fn one_map<T: Row>(case: &Case<T>) {
+    let Case { row, p, ref law } = *case;
+    let name = case.name();
+    let single = case.single();
+    let mut before = -1.0;
+    let mut sorted = uniforms();
+    sorted.sort_by(f32::total_cmp);
+    for &u in &sorted {
+        let cosine = row.sample(u, single);
+        // A lobe of negative g is turned around: its cosines fall.
+        let turned = p[0] < 0.0;
+        let rising = if turned { -cosine } else { cosine };
+        assert!(
+            rising >= before - 4e-7,
+            "cosines of {name} turn back at {u:e}"
+        );
+        before = rising.max(before);
+        // In double precision the trip is exact; in f32 within what one digit of the cosine is worth.
+        let u = f64::from(u);
+        let back = row.invert(row.sample(u, p), 0.0, p);
+        assert!(
+            (back - u).abs() < 1e-7,
+            "{u:e} comes back as {back:e} of {name}"
+        );
+        let back = f64::from(row.invert(cosine, 0.0, single));
+        let density = 2.0 * PI * law.eval(f64::from(cosine));
+        assert!(
+            (back - u).abs() < 2e-6 + 3e-7 * density,
+            "{u:e} comes back as {back:e} of {name} in f32"
+        );
+    }
+}
+
+/// From the cosine to one of its u and back, and each of them as often as it should be.
+fn several_ways<T: Row>(case: &Case<T>) {
+    let Case { row, p, .. } = *case;
+    let name = case.name();
+    for c in cosines(500).map(f64::from) {
+        for v in [0.0, 0.3, 0.7, 1.0 - 1e-9] {
+            let u = row.invert(c, v, p);
+            let back = row.sample(u, p);
+            assert!(
+                (back - c).abs() < 4e-7,
+                "{c} comes back as {back} by {u:e} of {name}"
+            );
+        }
+    }
+    let single = case.single();
+    let returned = collect::<f32, PathStream>(seed(63), 0, samples(1 << 18), |rng| {
+        let [u, v] = [(); 2].map(|()| Stream::<f32>::uniform(rng, true));
+        row.invert(row.sample(u, single), v, single)
+    });
+    let even: Vec<f64> = (1..CELLS).map(|i| i as f64 / CELLS as f64).collect();
+    let verdict = histogram(&returned, &even, |from, to| to.min(1.0) - from.max(0.0));
+    assert_verdict(&name, verdict);
+}
+
+/// Error of sampled cosines against double precision, and ranges, for the most extreme parameters too.
+fn extremes<T: Row>() {
+    for case in T::cases().into_iter().chain(T::extremes()) {
+        let Case { row, p, ref law } = case;
+        let name = case.name();
+        let single = case.single();
+        let [of_cosine, of_u] = T::errors(p);
+        for u in uniforms() {
+            let cosine = row.sample(u, single);
             assert!(
                 (-1.0..=1.0).contains(&cosine),
-                "cosine {cosine} at {u:e} of {kind:?}"
+                "{cosine} at {u:e} of {name}"
             );
-            // A lobe of negative g is turned around: its cosines fall.
-            let rising = if g < 0.0 || g.is_sign_negative() && g != 0.0 {
-                -cosine
-            } else {
-                cosine
-            };
+            let exact = row.sample(f64::from(u), p);
+            let error = (f64::from(cosine) - exact).abs();
+            let allowed = of_cosine + of_u / (2.0 * PI * law.drawn_at(f64::from(u), exact));
             assert!(
-                rising >= before - 4e-7,
-                "cosines of {kind:?} turn back at {u:e}"
+                error <= allowed,
+                "{cosine} for {exact} at {u:e} of {name}: error {error:e}, allowed {allowed:e}"
             );
-            before = rising.max(before);
-            // In double precision the trip is exact; in f32 within what one digit of the cosine is worth.
-            let (u, g) = (f64::from(u), f64::from(g));
-            let back = T::invert(T::sample(u, g), g);
+            if T::MONOTONE {
+                let back = row.invert(exact, 0.0, p);
+                let allowed = 3e-11 + 2e-15 * law.eval(exact);
+                assert!(
+                    (back - f64::from(u)).abs() <= allowed,
+                    "{u:e} comes back as {back:e} of {name} in f64"
+                );
+            }
+            let density = row.eval(cosine, single);
             assert!(
-                (back - u).abs() < 1e-7,
-                "{u:e} comes back as {back:e} at {kind:?}"
+                density >= 0.0 && density.is_finite(),
+                "p = {density} at {u:e} of {name}"
             );
-            let back = f64::from(T::invert(cosine, g as f32));
-            let density = 2.0 * PI * kind.eval(f64::from(cosine));
-            assert!(
-                (back - u).abs() < 2e-6 + 3e-7 * density,
-                "{u:e} comes back as {back:e} at {kind:?} in f32"
-            );
+            for back in [
+                row.invert(cosine, u, single),
+                row.cumulative(cosine, single),
+            ] {
+                assert!(
+                    (-1e-6..=1.0 + 1e-6).contains(&back),
+                    "u = {back} at {u:e} of {name}"
+                );
+            }
         }
     }
 }
 
-/// Error of sampled cosines against double precision; parameters beyond what the tables cover.
-fn extremes<T: Trio>() {
-    let magnitudes = [1e-7_f32, 1e-6, 1e-5, 0.9999, 0.99999, 0.999_999, 1.0 - 1e-7];
-    for g in magnitudes.into_iter().flat_map(|g| [g, -g]) {
-        for u in uniforms() {
-            let cosine = T::sample(u, g);
-            assert!((-1.0..=1.0).contains(&cosine), "{cosine} at {u:e}, g {g}");
-            let exact = T::sample(f64::from(u), f64::from(g));
-            let allowed = if g.abs() <= 0.9999 { 2e-7 } else { 1e-6 };
-            assert!(
-                (f64::from(cosine) - exact).abs() <= allowed,
-                "{cosine} for {exact} at {u:e}, g {g}"
-            );
-            let density = T::eval(cosine, g);
-            assert!(
-                density > 0.0 && density.is_finite(),
-                "p = {density} at {u:e}, g {g}"
-            );
-            let back = T::invert(cosine, g);
-            assert!(
-                (0.0..=1.0 + 1e-6).contains(&back),
-                "u = {back} at {u:e}, g {g}"
-            );
-        }
-    }
-}
-
-fn lanes<T: Trio>() {
-    let cosines: Vec<f32> = (-1000..=1000).map(|i| i as f32 / 1000.0).collect();
+fn lanes<T: Row>() {
+    let cosines: Vec<f32> = cosines(1000).collect();
     let uniforms = uniforms();
-    for (at, (g, kind)) in T::parameters().into_iter().enumerate() {
-        let parameters = T::parameters();
-        // Neighbouring lanes have other parameters.
-        let g_of = |lane: usize| parameters[(at + lane) % parameters.len()].0;
-        let gs: [f32; LANES] = std::array::from_fn(g_of);
-        let same = |values: &[f32], one: fn(f32, f32) -> f32, eight: fn(Lanes, Lanes) -> Lanes| {
+    let cases: Vec<Case<T>> = T::cases().into_iter().chain(T::extremes()).collect();
+    for (at, case) in cases.iter().enumerate() {
+        let row = case.row;
+        // Neighbouring lanes have other parameters, unless they are in another table.
+        let of_lane = |lane: usize| {
+            let other = &cases[(at + lane) % cases.len()];
+            if other.row == row { other } else { case }.single()
+        };
+        let singles: [Parameters<f32>; LANES] = std::array::from_fn(of_lane);
+        let wide: Parameters<Lanes> =
+            std::array::from_fn(|i| Lanes::new(singles.map(|single| single[i])));
+        let same = |values: &[f32],
+                    one: &dyn Fn(f32, Parameters<f32>) -> f32,
+                    eight: &dyn Fn(Lanes, Parameters<Lanes>) -> Lanes| {
             for chunk in values.chunks_exact(LANES) {
                 let x: [f32; LANES] = chunk.try_into().expect("eight");
-                let wide = eight(Lanes::new(x), Lanes::new(gs)).to_array();
+                let got = eight(Lanes::new(x), wide).to_array();
                 for lane in 0..LANES {
                     assert_eq!(
-                        wide[lane].to_bits(),
-                        one(x[lane], gs[lane]).to_bits(),
-                        "{kind:?} at {}",
+                        got[lane].to_bits(),
+                        one(x[lane], singles[lane]).to_bits(),
+                        "{} at {}",
+                        case.name(),
                         x[lane]
                     );
                 }
             }
         };
-        let _ = g;
-        same(&cosines, T::eval::<f32>, T::eval::<Lanes>);
-        same(&cosines, T::invert::<f32>, T::invert::<Lanes>);
-        same(&uniforms, T::sample::<f32>, T::sample::<Lanes>);
+        same(&cosines, &|c, p| row.eval(c, p), &|c, p| row.eval(c, p));
+        same(&uniforms, &|u, p| row.sample(u, p), &|u, p| {
+            row.sample(u, p)
+        });
+        same(&cosines, &|c, p| row.cumulative(c, p), &|c, p| {
+            row.cumulative(c, p)
+        });
+        same(&cosines, &|c, p| row.invert(c, c.abs(), p), &|c, p| {
+            row.invert(c, c.abs(), p)
+        });
     }
 }
 
 const CELLS: usize = 64;
 
-/// Histogram over cells of equal probability under `inverse`, the exact distribution function.
-fn histogram(cosines: &[f64], inverse: impl Fn(f64) -> f64) -> Verdict {
-    let mut counts = [0_u64; CELLS];
-    for &c in cosines {
-        let cell = (inverse(c) * CELLS as f64) as usize;
-        counts[cell.min(CELLS - 1)] += 1;
+/// Histogram of numbers over cells between edges, whose shares come from `share`.
+fn histogram(numbers: &[f64], edges: &[f64], share: impl Fn(f64, f64) -> f64) -> Verdict {
+    let mut counts = vec![0_u64; edges.len() + 1];
+    for number in numbers {
+        counts[edges.partition_point(|edge| edge <= number)] += 1;
     }
-    ChiSquare::new(&counts, &[1.0 / CELLS as f64; CELLS]).verdict(0.02)
+    let mut ends = vec![-1.0];
+    ends.extend(edges);
+    ends.push(1.0);
+    let shares: Vec<f64> = ends.windows(2).map(|w| share(w[0], w[1])).collect();
+    ChiSquare::new(&counts, &shares).verdict(0.02)
 }
 
-/// P(cosine < c), from the formula in another arrangement than core's.
-fn cumulative(kind: Kind, c: f64) -> f64 {
-    match kind {
-        Kind::Hg { g } if g.abs() < 1e-5 => 0.5 * (1.0 + c) + 0.75 * g * (c * c - 1.0),
-        Kind::Hg { g } => {
-            let s = ((1.0 - g).powi(2) + 2.0 * g * (1.0 - c)).sqrt();
-            (1.0 - g * g) / (2.0 * g) * (1.0 / s - 1.0 / (1.0 + g))
-        }
-        _ => (c.powi(3) + 3.0 * c + 4.0) / 8.0,
-    }
+/// Histogram of cosines over cells of about equal shares, which quadrature of the law tells exactly.
+fn histogram_of(cosines: &[f64], law: &Law, edges: &[f64]) -> Verdict {
+    histogram(cosines, edges, |from, to| law.share(from, to))
+}
+
+/// Edges of cells with about equal shares: where they lie is free, so core may say.
+fn edges<T: Row>(case: &Case<T>) -> Vec<f64> {
+    let fine = 64 * CELLS;
+    let middle = |i: usize| (i as f64 + 0.5) / fine as f64;
+    let mut cosines: Vec<f64> = (0..fine)
+        .map(|i| case.row.sample(middle(i), case.p))
+        .collect();
+    cosines.sort_by(f64::total_cmp);
+    cosines.into_iter().step_by(64).skip(1).collect()
 }
 
 fn draws(pixel: u32, sample: impl Fn(f32) -> f32) -> Vec<f64> {
@@ -245,111 +280,23 @@ fn draws(pixel: u32, sample: impl Fn(f32) -> f32) -> Vec<f64> {
     })
 }
 
-fn sampled<T: Trio>() {
-    for (pixel, (g, kind)) in (0..).zip(T::parameters()) {
-        let cosines = draws(pixel, |u| T::sample(u, g));
-        let name = format!("{kind:?}");
-        if g.abs() <= 0.99 {
-            assert_verdict(&name, histogram(&cosines, |c| cumulative(kind, c)));
+/// Whether cosines have this moment.
+fn moment(cosines: &[f64], power: i32, expected: f64) -> Verdict {
+    let sample: Sample = cosines.iter().map(|c| c.powi(power)).collect();
+    judge_within(sample.moments(), expected, 0.002)
+}
+
+fn sampled<T: Row>() {
+    for (pixel, case) in (0..).zip(T::cases()) {
+        let single = case.single();
+        let cosines = draws(pixel, |u| case.row.sample(u, single));
+        if !case.law.too_sharp() {
+            let verdict = histogram_of(&cosines, &case.law, &edges(&case));
+            assert_verdict(&case.name(), verdict);
         }
-        let mean: Sample = cosines.into_iter().collect();
-        assert_verdict(&name, judge_within(mean.moments(), f64::from(g), 0.0015));
-    }
-}
-
-#[test]
-fn mutants_die() {
-    type Sampler = fn(f32) -> f32;
-    let mutants: [(&str, Sampler); 6] = [
-        ("sign of g", |u| phase::henyey_greenstein::sample(u, -0.6)),
-        ("g off by one percent", |u| {
-            phase::henyey_greenstein::sample(u, 0.606)
-        }),
-        ("uniform angle instead of cosine", |u| {
-            (std::f32::consts::PI * u).cos()
-        }),
-        ("backward half lost", |u| {
-            phase::henyey_greenstein::sample(0.2 + 0.8 * u, 0.6)
-        }),
-        ("g squared forgotten", |u| {
-            let a = (1.0 - 0.6 * 0.6) / (1.0 - 0.6 + 2.0 * 0.6 * u);
-            ((1.0 - a * a) / 1.2).clamp(-1.0, 1.0)
-        }),
-        ("Schlick's approximation", |u| {
-            let k = 1.55 * 0.6 - 0.55 * 0.216;
-            (2.0 * u + k - 1.0) / (2.0 * k * u - k + 1.0)
-        }),
-    ];
-    let kind = Kind::Hg {
-        g: f64::from(0.6_f32),
-    };
-    let mut suite = Mutants::new("phase", &mutants.map(|(name, _)| name));
-    let verdicts = |sampler: &dyn Fn(f32) -> f32| {
-        let cosines = collect::<f32, PathStream>(seed(62), 0, samples(1 << 20), |rng| {
-            sampler(Stream::<f32>::uniform(rng, true))
-        });
-        let law = histogram(&cosines, |c| cumulative(kind, c));
-        let mean: Sample = cosines.into_iter().collect();
-        (law, judge_within(mean.moments(), f64::from(0.6_f32), 0.001))
-    };
-    let (law, mean) = verdicts(&|u| phase::henyey_greenstein::sample(u, 0.6));
-    suite.check("histogram", law);
-    suite.check("mean cosine", mean);
-    for (name, sampler) in mutants {
-        let (law, mean) = verdicts(&sampler);
-        suite.trial("histogram", name, law);
-        suite.trial("mean cosine", name, mean);
-    }
-    suite.finish();
-}
-
-/// A table of densities in a wrong measure, or unnormalised, fails the integrals.
-#[test]
-fn wrong_densities_have_wrong_integrals() {
-    let wrong: [fn(f64) -> f64; 3] = [
-        |c| Kind::Hg { g: 0.6 }.eval(c) * (1.0 - c * c).sqrt(),
-        |c| Kind::Hg { g: 0.6 }.eval(c) * 4.0 * PI,
-        |c| Kind::Hg { g: 0.606 }.eval(c),
-    ];
-    for (i, p) in wrong.into_iter().enumerate() {
-        let norm = over_cosines(|c| 2.0 * PI * p(c));
-        let mean = over_cosines(|c| 2.0 * PI * c * p(c));
-        assert!(
-            (norm - 1.0).abs() > 1e-3 || (mean - 0.6).abs() > 1e-3,
-            "mistake {i} passes"
-        );
-    }
-}
-
-/// The mixture of rows by mask: each lane follows its own law.
-#[test]
-fn lanes_of_both_laws_share_a_packet() {
-    use woodcock_core::phase::Phase;
-    use woodcock_packet::lanes::LaneMask;
-    let g = [0.0, 0.3, -0.3, 0.9, 0.5, -0.8, 0.1, 0.99];
-    for bits in [0, 0xff, 0b1010_0110] {
-        let wide = Phase::<Lanes> {
-            g: Lanes::new(g),
-            rayleigh: LaneMask::from_bits(bits),
-        };
-        for i in 0..100 {
-            let u = i as f32 / 100.0;
-            let cosines = wide.sample::<true>(Lanes::splat(u)).to_array();
-            let densities = wide.eval::<true>(Lanes::splat(u)).to_array();
-            for lane in 0..LANES {
-                let one = Phase::<f32> {
-                    g: g[lane],
-                    rayleigh: bits >> lane & 1 == 1,
-                };
-                assert_eq!(cosines[lane].to_bits(), one.sample::<true>(u).to_bits());
-                assert_eq!(densities[lane].to_bits(), one.eval::<true>(u).to_bits());
-                if !one.rayleigh {
-                    assert_eq!(
-                        one.sample::<false>(u).to_bits(),
-                        one.sample::<true>(u).to_bits()
-                    );
-                }
-            }
+        for power in 1..=3 {
+            let verdict = moment(&cosines, power, case.law.moment(power));
+            assert_verdict(&format!("moment {power} of {}", case.name()), verdict);
         }
     }
 }
@@ -364,7 +311,7 @@ macro_rules! row {
             }
             #[test]
             fn tables_are_reproduced() {
-                super::tables::<Row>();
+                super::references::tables::<Row>();
             }
             #[test]
             fn sampling_and_inverting_are_one_map() {

@@ -138,7 +138,7 @@ fn functions_agree_on_their_domains() {
         fn(f32) -> f32,
         fn(Lanes) -> Lanes,
     );
-    let functions: [Functions; 5] = [
+    let functions: [Functions; 7] = [
         (
             "ln",
             |x| x >= 0.0 && x.is_finite(),
@@ -151,7 +151,19 @@ fn functions_agree_on_their_domains() {
             |x| x.neg_ln_1m(),
             |x| x.neg_ln_1m(),
         ),
+        (
+            "ln_1p",
+            |x| x >= -1.0 && x.is_finite(),
+            |x| Real::ln_1p(x),
+            |x| x.ln_1p(),
+        ),
         ("exp", |x| !x.is_nan(), |x| Real::exp(x), |x| x.exp()),
+        (
+            "exp_m1",
+            |x| !x.is_nan(),
+            |x| Real::exp_m1(x),
+            |x| x.exp_m1(),
+        ),
         (
             "sine",
             |x| x.abs() <= 4096.0,

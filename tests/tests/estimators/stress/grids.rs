@@ -300,10 +300,10 @@ fn what_no_tracker_can_step_under_is_refused() {
     );
     let mut table = vec![0.0; 27];
     table[13] = 3e38;
-    use woodcock_core::medium::Cells;
-    assert!(Cells::new(&table, [1; 3], IDENTITY, 1.0).is_ok());
+    use woodcock_core::medium::Voxels;
+    assert!(Voxels::new(&table, [1; 3], IDENTITY, 1.0).is_ok());
     assert!(
-        Cells::new(&table, [1; 3], IDENTITY, 1.2).is_err(),
+        Voxels::new(&table, [1; 3], IDENTITY, 1.2).is_err(),
         "an extinction of infinity"
     );
 }

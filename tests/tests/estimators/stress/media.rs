@@ -4,8 +4,8 @@ use woodcock_core::enclosure::Enclosure;
 use woodcock_core::free_flight::{decomposition, delta, weighted};
 use woodcock_core::majorant::{self, majorant_depth};
 use woodcock_core::medium::{
-    Affine, Cells, Controlled, Exponential, Homogeneous, Interpolated, Linear, Overlap, Placed,
-    Procedural, ProceduralGrid, Within, cell_count, fill_cells,
+    Affine, Controlled, Exponential, Homogeneous, Interpolated, Linear, Overlap, Placed,
+    Procedural, ProceduralGrid, Voxels, Within, fill_voxels, voxel_count,
 };
 use woodcock_core::ray::Ray;
 use woodcock_core::real::Real;
@@ -141,17 +141,17 @@ pub(super) trait Visit<R: Real> {
 #[derive(Clone, Debug)]
 pub(super) struct Tables {
     grid: TestGrid,
-    cells: Vec<f32>,
+    voxels: Vec<f32>,
 }
 
 impl Tables {
     pub(super) fn new() -> Self {
         let dims = [3, 2, 2];
         let values: Vec<f32> = (0..12).map(|i| f32::from(i as u8 % 5) * 0.25).collect();
-        let mut cells = vec![0.0; cell_count(dims).expect("few cells")];
-        fill_cells(&values, dims, &mut cells).expect("the table fits");
+        let mut voxels = vec![0.0; voxel_count(dims).expect("few cells")];
+        fill_voxels(&values, dims, &mut voxels).expect("the table fits");
         let grid = TestGrid::random([9, 10, 11], 5, 0.4);
-        Self { grid, cells }
+        Self { grid, voxels }
     }
 }
 
@@ -226,10 +226,11 @@ pub(super) fn each<R: Real>(tables: &Tables, unit: f32, depth: f32, to: &mut imp
     let grid = tables.grid.medium(scaling(8.0 / unit), sigma);
     to.visit("a grid", &grid, &oblique, t_max);
     to.visit("a grid in full", &Interpolated(grid), &oblique, t_max);
-    let cells = Cells::new(&tables.cells, [3, 2, 2], scaling(2.0 / unit), sigma).expect("cells");
-    to.visit("cells", &cells, &oblique, t_max);
-    let placed = Placed::new(cells, scaling(0.75)).expect("finite");
-    to.visit("cells, stretched", &placed, &oblique, t_max);
+    let voxels =
+        Voxels::new(&tables.voxels, [3, 2, 2], scaling(2.0 / unit), sigma).expect("voxels");
+    to.visit("voxels", &voxels, &oblique, t_max);
+    let placed = Placed::new(voxels, scaling(0.75)).expect("finite");
+    to.visit("voxels, stretched", &placed, &oblique, t_max);
     let [low, high] = [0.25, 0.5].map(|x| [x * unit; 3]);
     let within = Within::aligned(even, low, high).expect("a box");
     to.visit("a formula in a box", &within, &oblique, t_max);

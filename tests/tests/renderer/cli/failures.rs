@@ -258,6 +258,36 @@ fn a_fog_that_never_ends_is_refused_unless_it_is_cut_off() {
     folder.done(&["render", "s.pbrt", "-q", "--max-depth", "3"]);
 }
 
+/// White fog of 10³⁰ mean free paths would collide for ever: refused beforehand, with what to do.
+#[test]
+fn work_without_an_end_is_refused_unless_it_is_cut_off() {
+    let folder = Folder::new();
+    for (sigma_s, refused) in [("1e30", true), ("1e9", true), ("1e3", false)] {
+        let medium = format!(
+            "MakeNamedMedium \"w\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [ 0 0 0 ] \"rgb sigma_s\" [ {sigma_s} {sigma_s} {sigma_s} ]\nLookAt"
+        );
+        let text = FOG
+            .replacen("LookAt", &medium, 1)
+            .replace("MediumInterface \"m\" \"\"", "MediumInterface \"w\" \"\"");
+        folder.write("s.pbrt", &text);
+        let tiny = [
+            "render",
+            "s.pbrt",
+            "-q",
+            "--resolution",
+            "2x2",
+            "--spp",
+            "1",
+        ];
+        if refused {
+            assert_fails(&folder, &tiny, 1, &["collide", "--max-depth"]);
+            folder.done(&[&tiny[..], &["--max-depth", "3"]].concat());
+        } else {
+            folder.done(&tiny);
+        }
+    }
+}
+
 #[test]
 fn a_failed_render_leaves_the_old_image_alone() {
     let folder = Folder::new();

@@ -2,7 +2,7 @@
 //!
 //! A walk from cell to cell finds collisions and optical depths exactly (*regular tracking*), at the
 //! price of visiting every cell. The values lie in a table with a rim of empty cells around them,
-//! where a walk may end up by rounding at the very edge; [`fill_cells`] makes it.
+//! where a walk may end up by rounding at the very edge; [`fill_voxels`] makes it.
 
 use core::fmt;
 
@@ -13,7 +13,7 @@ use crate::real::Real;
 use crate::stream::Stream;
 
 /// How many values a table of this many cells has, rim included; `None` where the number does not fit.
-pub const fn cell_count(dims: [u32; 3]) -> Option<usize> {
+pub const fn voxel_count(dims: [u32; 3]) -> Option<usize> {
     let [x, y, z] = dims;
     if x == 0 || y == 0 || z == 0 || x > LARGEST || y > LARGEST || z > LARGEST {
         return None;
@@ -25,13 +25,13 @@ pub const fn cell_count(dims: [u32; 3]) -> Option<usize> {
     }
 }
 
-/// Cells along an axis, so that eight units each stay exact.
+/// Voxels along an axis, so that eight units each stay exact.
 const LARGEST: u32 = 1 << 20;
 
 /// What can be wrong with a table of cells.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
-pub enum CellsError {
+pub enum VoxelsError {
     /// An axis without cells or with more than 2²⁰, or more than 2³¹ cells.
     Dimensions([u32; 3]),
     /// A slice of another length than the dimensions ask for.
@@ -52,7 +52,7 @@ pub enum CellsError {
     Placement,
 }
 
-impl fmt::Display for CellsError {
+impl fmt::Display for VoxelsError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Dimensions([x, y, z]) => write!(
@@ -71,20 +71,20 @@ impl fmt::Display for CellsError {
     }
 }
 
-impl core::error::Error for CellsError {}
+impl core::error::Error for VoxelsError {}
 
 /// Copies the values of cells into a table with a rim.
 ///
-/// * `values`: of the cells, x fastest. `table`: [`cell_count`] values, overwritten.
+/// * `values`: of the cells, x fastest. `table`: [`voxel_count`] values, overwritten.
 ///
 /// # Errors
-/// Dimensions or lengths that do not fit. The values themselves are judged by [`Cells::new`].
-pub fn fill_cells(values: &[f32], dims: [u32; 3], table: &mut [f32]) -> Result<(), CellsError> {
-    let expected = cell_count(dims).ok_or(CellsError::Dimensions(dims))?;
+/// Dimensions or lengths that do not fit. The values themselves are judged by [`Voxels::new`].
+pub fn fill_voxels(values: &[f32], dims: [u32; 3], table: &mut [f32]) -> Result<(), VoxelsError> {
+    let expected = voxel_count(dims).ok_or(VoxelsError::Dimensions(dims))?;
     let [nx, ny, nz] = dims.map(|n| n as usize);
     let lengths = [(table.len(), expected), (values.len(), nx * ny * nz)];
     if let Some(&(found, expected)) = lengths.iter().find(|(found, expected)| found != expected) {
-        return Err(CellsError::Length { expected, found });
+        return Err(VoxelsError::Length { expected, found });
     }
     table.fill(0.0);
     let slices = table.chunks_exact_mut((nx + 2) * (ny + 2)).skip(1);
@@ -99,20 +99,20 @@ pub fn fill_cells(values: &[f32], dims: [u32; 3], table: &mut [f32]) -> Result<(
     Ok(())
 }
 
-/// Cells placed in space; domain: the box of all cells.
+/// Voxels placed in space; domain: the box of all cells.
 ///
 /// σ_t(x) = scale · value of the cell that `world_to_grid` x lies in, cell (i, j, k) being
 /// [i, i + 1) × [j, j + 1) × [k, k + 1).
 #[derive(Clone, Copy, Debug)]
-pub struct Cells<'a> {
+pub struct Voxels<'a> {
     table: &'a [f32],
     dims: [u32; 3],
     world_to_grid: Affine,
     scale: f32,
 }
 
-impl<'a> Cells<'a> {
-    /// * `table`: as [`fill_cells`] makes it. `world_to_grid`: maps to the space in which cells are
+impl<'a> Voxels<'a> {
+    /// * `table`: as [`fill_voxels`] makes it. `world_to_grid`: maps to the space in which cells are
     ///   unit cubes. `scale`: extinction of a value of one [1/length].
     ///
     /// # Errors
@@ -122,15 +122,15 @@ impl<'a> Cells<'a> {
         dims: [u32; 3],
         world_to_grid: Affine,
         scale: f32,
-    ) -> Result<Self, CellsError> {
-        let expected = cell_count(dims).ok_or(CellsError::Dimensions(dims))?;
+    ) -> Result<Self, VoxelsError> {
+        let expected = voxel_count(dims).ok_or(VoxelsError::Dimensions(dims))?;
         if table.len() != expected {
             let found = table.len();
-            return Err(CellsError::Length { expected, found });
+            return Err(VoxelsError::Length { expected, found });
         }
         let finite = world_to_grid.iter().flatten().all(|x| x.is_finite());
         if !(finite && scale >= 0.0 && scale.is_finite()) {
-            return Err(CellsError::Placement);
+            return Err(VoxelsError::Placement);
         }
         let [nx, ny, nz] = dims.map(|n| n as usize);
         let in_rim = |i: usize, n: usize| i == 0 || i == n + 1;
@@ -142,7 +142,7 @@ impl<'a> Cells<'a> {
             );
             let rim = in_rim(x, nx) || in_rim(y, ny) || in_rim(z, nz);
             if !(value >= 0.0 && (value * scale).is_finite()) || (rim && value != 0.0) {
-                return Err(CellsError::Value { at, value });
+                return Err(VoxelsError::Value { at, value });
             }
         }
         Ok(Self {
@@ -155,7 +155,7 @@ impl<'a> Cells<'a> {
 
     /// A world-space ray in the walk's space, where a cell is as large as a majorant block.
     #[inline(always)]
-    fn to_walk<R: Real>(&self, ray: &Ray<R>) -> Ray<R> {
+    fn in_units<R: Real>(&self, ray: &Ray<R>) -> Ray<R> {
         let edge = R::splat(crate::majorant::BLOCK as f32);
         let cells = transform_ray(self.world_to_grid.map(|row| row.map(R::splat)), ray);
         Ray {
@@ -172,12 +172,12 @@ impl<'a> Cells<'a> {
     /// The part of a world-space ray within the domain.
     #[inline(always)]
     pub fn clip<R: Real>(&self, ray: &Ray<R>) -> Interval<R> {
-        let local = self.to_walk(ray);
+        let local = self.in_units(ray);
         clip_to_box(local.origin, local.direction, self.layout::<R>().last)
     }
 }
 
-impl<R: Real> Medium<R> for Cells<'_> {
+impl<R: Real> Medium<R> for Voxels<'_> {
     type Walk = GridWalk<R>;
     const ONE_SEGMENT: bool = false;
     const TIGHT: bool = true;
@@ -188,7 +188,7 @@ impl<R: Real> Medium<R> for Cells<'_> {
     }
     #[inline(always)]
     fn begin(&self, walk: &mut GridWalk<R>, ray: &Ray<R>, active: R::Mask) {
-        walk.begin(&self.layout(), &self.to_walk(ray), self.table, active);
+        walk.begin(&self.layout(), &self.in_units(ray), self.table, active);
     }
     #[inline(always)]
     fn segment(&self, walk: &GridWalk<R>) -> Segment<R> {
@@ -204,9 +204,9 @@ impl<R: Real> Medium<R> for Cells<'_> {
     }
 }
 
-impl<R: Real> PiecewiseConstant<R> for Cells<'_> {}
+impl<R: Real> PiecewiseConstant<R> for Voxels<'_> {}
 
-impl<R: Real> Controlled<R> for Cells<'_> {
+impl<R: Real> Controlled<R> for Voxels<'_> {
     #[inline(always)]
     fn control(&self, walk: &GridWalk<R>) -> Control<R> {
         let sigma_t = walk.segment().majorant;
