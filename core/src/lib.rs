@@ -106,6 +106,7 @@ pub mod phase;
 pub mod ray;
 pub mod real;
 pub mod spectral;
+pub mod stability;
 pub mod stream;
 pub mod sum;
 pub mod transmittance;

@@ -37,7 +37,7 @@ pub struct Interval<R> {
     pub t1: R,
 }
 
-/// Larger than any scene, smaller than what overflows when squared twice over: "no end".
+/// Larger than any scene: "no end". Walks end there, even on rays that are longer.
 pub const FAR: f32 = 1e30;
 
 /// The reciprocal of a direction component, bounded so that a product with a distance of zero is

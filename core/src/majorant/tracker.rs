@@ -2,6 +2,7 @@
 
 use crate::majorant::Segment;
 use crate::medium::Medium;
+use crate::ray::FAR;
 use crate::real::{Mask, Real};
 use crate::stream::Stream;
 use crate::sum::Compensated;
@@ -50,8 +51,8 @@ impl<R: Real, W> Tracker<R, W> {
         self.t.high
     }
 
-    /// Puts the active lanes at t = 0 of rays of length `t_end`; their walks must have been begun.
-    /// One exponential draw.
+    /// Puts the active lanes at t = 0 of rays of length `t_end`, or [`FAR`] where that is shorter;
+    /// their walks must have been begun. One exponential draw.
     #[inline(always)]
     pub fn begin(&mut self, t_end: R, rng: &mut impl Stream<R>, active: R::Mask) {
         self.begin_towards(t_end, R::zero(), active);
@@ -63,6 +64,8 @@ impl<R: Real, W> Tracker<R, W> {
     #[inline(always)]
     pub fn begin_towards(&mut self, t_end: R, depth: R, active: R::Mask) {
         self.t = Compensated::select(active, Compensated::zero(), self.t);
+        // No medium has a segment that ends later, so a walk that went on would never end.
+        let t_end = t_end.min(R::splat(FAR));
         self.t_end = R::select(active, t_end, self.t_end);
         self.redirect(depth, active);
     }

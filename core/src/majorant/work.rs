@@ -8,7 +8,7 @@
 use core::fmt;
 
 use crate::medium::Medium;
-use crate::ray::Ray;
+use crate::ray::{FAR, Ray};
 use crate::real::{Mask, Real};
 
 /// Tentative collisions a ray that [`check_work`] lets pass by default: about a second's work.
@@ -65,6 +65,8 @@ pub(crate) fn for_each_segment<R: Real, M: Medium<R>>(
 ) {
     let mut walk = medium.idle();
     medium.begin(&mut walk, ray, active);
+    // As trackers do; no segment ends later.
+    let t_max = t_max.min(R::splat(FAR));
     let mut t = R::zero();
     let mut lanes = active & t.lt(t_max);
     while lanes.any() {

@@ -64,7 +64,12 @@ impl Exponential {
 
     #[inline(always)]
     fn value<R: Real>(&self, exponent: R) -> R {
-        (R::splat(self.sigma_0) * (-exponent).exp()).min(R::splat(f32::MAX))
+        if self.sigma_0 <= 0.0 {
+            return R::zero();
+        }
+        // In two halves, as the factor may overflow or vanish where the product does not.
+        let half = (exponent * R::splat(-0.5)).exp();
+        (R::splat(self.sigma_0) * half * half).min(R::splat(f32::MAX))
     }
 
     /// The piece that begins at `from`.
@@ -78,27 +83,36 @@ impl Exponential {
         let (h, k) = (walk.h, walk.k);
         let steep = k.abs();
         let doubled = from + R::splat(core::f32::consts::LN_2) / steep;
-        // Far above the air there is nothing to halve: one piece down to 60 scale heights.
-        let thin = (h - R::splat(60.0)) / steep;
+        // Far above the air there is nothing to halve: one piece down to where a scale height has a
+        // depth of e⁻⁶⁰.
+        let dense = (R::splat(self.sigma_0) / steep).ln().max(R::zero());
+        let thin = (h - (R::splat(60.0) + dense)) / steep;
         let next = R::select(k.lt(R::zero()), doubled.max(thin), doubled);
         // A piece too short to resolve must still end beyond where it begins.
         let next = next.max(from * R::splat(1.000_001)).min(R::splat(FAR));
         let start = self.value(h + k * from);
-        let nothing = start.le(R::zero()) & R::zero().le(k);
+        let vacuum = R::splat(self.sigma_0).le(R::zero());
+        let nothing = start.le(R::zero()) & (R::zero().le(k) | vacuum);
+        // Nor is there anything to halve or double in what exceeds the largest number.
+        let full = R::splat(f32::MAX).le(start);
+        let saturated = full & k.le(R::zero());
+        let ends = (R::splat(self.sigma_0).ln() - R::splat(88.0) - h) / steep;
+        let next = R::select(full, next.max(ends.min(R::splat(FAR))), next);
         let straight = steep.eq(R::zero());
-        let exit = R::select(nothing | straight, R::splat(FAR), next);
+        let exit = R::select(nothing | saturated | straight, R::splat(FAR), next);
         let end = R::select(straight, start, self.value(h + k * exit));
-        // exp is good to one unit in the last place, but not monotone.
+        // The value is good to three units in the last place, but not monotone; a subnormal one to as many
+        // of the smallest numbers.
         let (above, below) = (R::splat(1.0 + 1e-6), R::splat(1.0 - 1e-6));
+        let grains = R::splat(f32::from_bits(4));
+        let low = (start.min(end) * below - grains).max(R::zero());
+        let high = (start.max(end) * above + grains).min(R::splat(f32::MAX));
+        let high = R::select(vacuum, R::zero(), high);
         ExponentialWalk {
             t_exit: R::select(active, exit, walk.t_exit),
             ends: [
-                R::select(active, start.min(end) * below, walk.ends[0]),
-                R::select(
-                    active,
-                    (start.max(end) * above).min(R::splat(f32::MAX)),
-                    walk.ends[1],
-                ),
+                R::select(active, low, walk.ends[0]),
+                R::select(active, high, walk.ends[1]),
             ],
             ..*walk
         }
@@ -166,18 +180,21 @@ impl<R: Real> ClosedForm<R> for Exponential {
         let length = -((-heights).exp_m1()) / steep;
         let length = R::select(heights.le(R::zero()), t, length);
         let densest = R::select(k.lt(R::zero()), h + k * t, h);
-        // In two halves, as the factor may overflow where the product does not.
-        let half = (densest * R::splat(-0.5)).exp();
-        R::splat(self.sigma_0) * half * length * half
+        // Finite, so that products with nothing are nothing.
+        let (largest, sigma_0) = (R::splat(f32::MAX), R::splat(self.sigma_0));
+        let half = (densest * R::splat(-0.5)).exp().min(largest);
+        let depth = (sigma_0 * half).min(largest) * (half * length).min(largest);
+        R::select(R::zero().lt(sigma_0), depth, R::zero())
     }
     #[inline(always)]
     fn distance(&self, ray: &Ray<R>, depth: R) -> R {
         let never = R::splat(f32::INFINITY);
         let (h, k) = self.exponent(ray);
         let steep = k.abs();
-        let at_origin = depth / R::splat(self.sigma_0);
+        let sigma_0 = R::splat(self.sigma_0);
+        // depth/s, in an order that passes no subnormal number on its way to a normal one.
         let half = (h * R::splat(0.5)).exp();
-        let straight = at_origin * half * half;
+        let straight = depth * half / sigma_0 * half;
         let y = straight * steep;
         // Towards thinner air: −ln(1 − y)/k, up to y = 1.
         let thinning = R::select(
@@ -186,10 +203,12 @@ impl<R: Real> ClosedForm<R> for Exponential {
             never,
         );
         // Towards denser air: ln(1 + y)/|k|, from the logarithm of y where that is large.
-        let ln_y = (steep.ln() + at_origin.ln()) + h;
+        let ln_y = ((steep.ln() - sigma_0.ln()) + depth.ln()) + h;
         let dense = R::splat(20.0).lt(ln_y);
         let thickening = R::select(dense, ln_y, y.min(R::splat(1e30)).ln_1p());
         let bent = R::select(k.lt(R::zero()), thickening, thinning) / steep;
-        R::select(R::zero().lt(y), bent, straight)
+        // Below that ln(1 ± y) is y, which may have lost its digits where the distance has not.
+        let t = R::select(R::splat(1e-9).lt(y), bent, straight);
+        R::select(sigma_0.le(R::zero()), never, t)
     }
 }

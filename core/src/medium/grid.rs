@@ -46,15 +46,19 @@ impl<'a> Grid<'a> {
     /// * `scale`: extinction of a sample of one [1/length], not negative.
     ///
     /// # Errors
-    /// `None` where the map or the scale is not finite, or the scale negative.
+    /// `None` where the map or the scale is not finite, the scale negative, or a bound times the scale
+    /// beyond the largest number: a tracker could not step under it.
     pub fn new(
         bounds: impl Into<ControlledGrid<'a>>,
         world_to_grid: Affine,
         scale: f32,
     ) -> Option<Self> {
+        let bounds = bounds.into();
         let finite = world_to_grid.iter().flatten().all(|x| x.is_finite());
-        (finite && scale >= 0.0 && scale.is_finite()).then_some(Self {
-            bounds: bounds.into(),
+        let scaled = bounds.bounds().majorants.iter().map(|bound| bound * scale);
+        let in_range = scale >= 0.0 && scaled.fold(scale, f32::max).is_finite();
+        (finite && in_range).then_some(Self {
+            bounds,
             world_to_grid,
             scale,
         })

@@ -21,7 +21,7 @@
 use crate::majorant::Segment;
 use crate::medium::{ClosedForm, Control, Controlled, ExtinctionError, Medium};
 use crate::ray::{FAR, Ray};
-use crate::real::Real;
+use crate::real::{Mask, Real};
 use crate::stream::Stream;
 use crate::vec3::Vec3;
 
@@ -85,10 +85,15 @@ impl<R: Real> LinearWalk<R> {
         let ahead = R::select(rising, double, double * R::splat(0.5)).max(free);
         // An empty beginning is one piece, an empty end another.
         let empty_until = R::select(rising, -a / b, R::splat(FAR));
-        let exit = R::select(start.le(R::zero()), empty_until, from + ahead);
+        // Not where the beginning itself lies at the crossing, rounded, or underflown to zero.
+        let empty = start.le(R::zero()) & from.lt(empty_until);
+        let exit = R::select(empty, empty_until, from + ahead);
         // A piece too short to resolve must still end beyond where it begins.
         let exit = exit.max(from * R::splat(1.000_001)).min(R::splat(FAR));
-        let exit = R::select(R::zero().lt(steep), exit, R::splat(FAR));
+        // Nor does what has reached the largest number grow any more.
+        let full = rising & R::splat(f32::MAX).le(start);
+        let goes_on = R::zero().lt(steep).and_not(full);
+        let exit = R::select(goes_on, exit, R::splat(FAR));
         let end = value(a, b, exit);
         Self {
             t_exit: R::select(active, exit, self.t_exit),

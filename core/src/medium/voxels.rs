@@ -41,7 +41,7 @@ pub enum VoxelsError {
         /// The length it has.
         found: usize,
     },
-    /// A value that is negative, infinite or NaN, or not zero in the rim.
+    /// A value that is negative, infinite or NaN, or becomes so when scaled, or is not zero in the rim.
     Value {
         /// Its index in the table.
         at: usize,
@@ -64,7 +64,7 @@ impl fmt::Display for VoxelsError {
             }
             Self::Value { at, value } => write!(
                 f,
-                "value number {at} is {value}: extinction is finite and not negative, and the rim is zero"
+                "value number {at} is {value}: extinction is finite and not negative, scaled too, and the rim is zero"
             ),
             Self::Placement => write!(f, "map and scale are finite, the scale not negative"),
         }
@@ -141,7 +141,7 @@ impl<'a> Voxels<'a> {
                 at / (nx + 2) / (ny + 2),
             );
             let rim = in_rim(x, nx) || in_rim(y, ny) || in_rim(z, nz);
-            if !(value >= 0.0 && value.is_finite()) || (rim && value != 0.0) {
+            if !(value >= 0.0 && (value * scale).is_finite()) || (rim && value != 0.0) {
                 return Err(VoxelsError::Value { at, value });
             }
         }

@@ -231,6 +231,21 @@ pub fn estimate<S: Spacing, R: Real, M: Controlled<R>>(
     result
 }
 
+/// X = −τ, estimated. A depth that overflows is a finite one whose exponential is zero as well, so that
+/// differences are numbers.
+#[inline]
+fn estimate_of_ln<S: Spacing, R: Real, M: Controlled<R>>(
+    medium: &M,
+    ray: &Ray<R>,
+    t_max: R,
+    points: R,
+    rng: &mut impl Stream<R>,
+    active: R::Mask,
+) -> R {
+    let depth = S::optical_depth(medium, ray, t_max, points, rng, active);
+    -(depth.min(R::splat(f32::MAX)))
+}
+
 #[inline]
 fn series<S: Spacing, R: Real, M: Controlled<R>>(
     medium: &M,
@@ -241,7 +256,7 @@ fn series<S: Spacing, R: Real, M: Controlled<R>>(
     active: R::Mask,
 ) -> R {
     let longer = rng.uniform_fine(active).lt(R::splat(0.1)) & active;
-    let first = -S::optical_depth(medium, ray, t_max, points, rng, active);
+    let first = estimate_of_ln::<S, R, M>(medium, ray, t_max, points, rng, active);
     if !longer.any() {
         return first.exp();
     }
@@ -260,7 +275,7 @@ fn series<S: Spacing, R: Real, M: Controlled<R>>(
         if !going.any() {
             break;
         }
-        *x = -S::optical_depth(medium, ray, t_max, points, rng, going);
+        *x = estimate_of_ln::<S, R, M>(medium, ray, t_max, points, rng, going);
         count = R::select(going, count + R::one(), count);
     }
     let mut sum = R::zero();
@@ -282,7 +297,7 @@ fn series<S: Spacing, R: Real, M: Controlled<R>>(
         if !going.any() {
             return sum / count;
         }
-        let x = -S::optical_depth(medium, ray, t_max, points, rng, going);
+        let x = estimate_of_ln::<S, R, M>(medium, ray, t_max, points, rng, going);
         for (pivot, highest) in all.iter().zip(&mut highest) {
             // The factor 1/2 is that of k! P(N ≥ k) over its predecessor.
             *highest = *highest * (x - *pivot) * R::splat(0.5);

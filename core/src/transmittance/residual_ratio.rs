@@ -170,6 +170,15 @@ impl<R: Real, M: Controlled<R>, C: Choice> Process<R, M> for ResidualRatio<R, M:
         let lanes = self.stages.tentative();
         let (rest, rate) = self.stages.sigma_t(&residual, rng);
         self.weight = Ratio::collide::<R, Residual<'_, M, C>>(self.weight, rest, rate, rng, lanes);
+        // Weight and depth of a deep ray may both leave the range of numbers where their product does not:
+        // 2⁶⁴ of the one, 64 ln 2 of the other.
+        let large = R::splat(18_446_744_073_709_551_616.0).lt(self.weight) & lanes;
+        if large.any() {
+            let smaller = self.weight * R::splat(1.0 / 18_446_744_073_709_551_616.0);
+            let shallower = self.control_depth - R::splat(64.0 * core::f32::consts::LN_2);
+            self.weight = R::select(large, smaller, self.weight);
+            self.control_depth = R::select(large, shallower, self.control_depth);
+        }
         // A weight of zero completes its estimate.
         let onward = lanes.and_not(self.weight.eq(R::zero()));
         self.stages.resolve::<Residual<'_, M, C>>(rng, onward);

@@ -13,4 +13,5 @@ mod random_walk;
 mod spectral;
 mod stability;
 mod stream;
+mod stress;
 mod transmittance;
