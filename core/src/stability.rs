@@ -10,6 +10,7 @@
 //! | quantity | domain | error at most | beyond | test |
 //! |---|---|---|---|---|
 //! | P(collision), every free flight | τ from 1e-12 to 3, σ_t from 1e-30 to 1e30 | 5e-7, by counting words | P < 2⁻¹⁰⁴ is rounded to 2⁻¹²⁸ | `tracking::rare_collisions_have_their_probability` |
+//! | survival, and weight of survivors, under [`roulette`](crate::collision::roulette) | weights down to 1e-12 of thresholds 1e-30 … 1e30 | 5e-7, by counting words | as above | `tracking::roulette_is_fair_to_small_weights` |
 //! | flights that leave an opaque medium | τ = 1e12 | none, up to 1600 mean free paths | | `tracking::opaque_media_let_nothing_pass` |
 //! | mean free path, every free flight | τ = 1e12 | statistics resolve 1 % | | `tracking::opaque_media_have_their_mean_free_path` |
 //! | tentative collisions on a ray | up to 1e7 | Poisson's law within 4.9 σ | refused by [`check_work`](crate::majorant::check_work) | `tracking::ten_million_collisions_on_a_ray_do_not_stall` |
@@ -69,8 +70,8 @@
 //! | quantity | domain | bound | test |
 //! |---|---|---|---|
 //! | [`Compensated`](crate::sum::Compensated) sums | 1e8 addends, 1e9 with `WOODCOCK_EXHAUSTIVE=1`; sizes over 30 decades | 1.2e-7 | `sums` |
-//! | segments of a [`Linear`](crate::medium::Linear) ray | any finite coefficients, rays without an end | 260 | `work::ramps_are_walked_in_few_segments` |
-//! | segments of an [`Exponential`](crate::medium::Exponential) ray | as above | 600 | `work::atmospheres_are_walked_in_few_segments` |
+//! | segments of a [`Linear`](crate::medium::Linear) ray | any finite coefficients, rays without an end | 160 | `work::ramps_are_walked_in_few_segments` |
+//! | segments of an [`Exponential`](crate::medium::Exponential) ray | as above | 300 | `work::atmospheres_are_walked_in_few_segments` |
 //! | look-ups of a tracker | majorant depths D up to 3e3 | D + 8 √D + 16 each | `sweeps::nothing_breaks_between_the_ends` |
 //! | majorant depths above [`WORK_LIMIT`](crate::majorant::WORK_LIMIT) | up to infinite | refused without a look-up or a draw | `work::what_is_astronomical_is_refused_beforehand` |
 //! | rays longer than [`FAR`](crate::ray::FAR) | up to infinite | walks end at `FAR` | `work::rays_without_an_end_are_tracked` |

@@ -180,10 +180,13 @@ impl<R: Real> ClosedForm<R> for Exponential {
         let length = -((-heights).exp_m1()) / steep;
         let length = R::select(heights.le(R::zero()), t, length);
         let densest = R::select(k.lt(R::zero()), h + k * t, h);
-        // Finite, so that products with nothing are nothing.
+        // Where the dense end exceeds the largest number the depth need not. All factors are finite, so
+        // that products with nothing are nothing.
         let (largest, sigma_0) = (R::splat(f32::MAX), R::splat(self.sigma_0));
         let half = (densest * R::splat(-0.5)).exp().min(largest);
-        let depth = (sigma_0 * half).min(largest) * (half * length).min(largest);
+        let sigma_t = self.value(densest);
+        let too_dense = (sigma_0 * half).min(largest) * (half * length).min(largest);
+        let depth = R::select(sigma_t.lt(largest), sigma_t * length, too_dense);
         R::select(R::zero().lt(sigma_0), depth, R::zero())
     }
     #[inline(always)]

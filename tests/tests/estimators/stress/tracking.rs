@@ -1,6 +1,7 @@
 //! Flights and walks from depths of 10⁻¹² to 10¹².
 
 use super::{Worst, along_x, stream};
+use woodcock_core::collision::roulette;
 use woodcock_core::free_flight::{analytic, decomposition, delta, regular, weighted};
 use woodcock_core::majorant::{Advance, Tracker};
 use woodcock_core::medium::{Audited, Homogeneous, Medium, Procedural};
@@ -144,6 +145,46 @@ fn rare_collisions_have_their_probability() {
         -(1.0 - Stream::<f32>::uniform_fine(rng, true)).ln() / sigma_t < t
     };
     collisions(cancelling).must_fail("ln of 1 - u", BOUND);
+}
+
+/// Errors of the survival of weights under a threshold, and of what survivors weigh.
+fn survivals(roulette: impl Fn(f32, f32, &mut Digits<'_>) -> f32) -> Worst {
+    let mut worst = Worst::default();
+    for threshold in [1e-30_f32, 1e-3, 0.3, 1.0, 1e30] {
+        for ratio in [1e-12_f32, 3e-10, 1e-6, 0.01, 0.7, 0.999] {
+            let weight = threshold * ratio;
+            if weight < 1e-37 {
+                continue;
+            }
+            let exact = f64::from(weight) / f64::from(threshold);
+            let p = probability(|rng| roulette(weight, threshold, rng) > 0.0);
+            let survivor = roulette(
+                weight,
+                threshold,
+                &mut Digits {
+                    head: &[0, 0, 0],
+                    tail: 1,
+                },
+            );
+            let weighs = f64::from(weight * survivor) / f64::from(threshold);
+            let error = (p / exact - 1.0).abs().max((weighs - 1.0).abs());
+            worst.see(error, || format!("{weight:e} below {threshold:e}: {p:e}"));
+        }
+    }
+    worst
+}
+
+#[test]
+fn roulette_is_fair_to_small_weights() {
+    const BOUND: f64 = 5e-7;
+    let fair =
+        |weight: f32, threshold: f32, rng: &mut Digits<'_>| roulette(weight, threshold, rng, true);
+    survivals(fair).within("roulette", BOUND, 25);
+    let coarse = |weight: f32, threshold: f32, rng: &mut Digits<'_>| {
+        let survives = Stream::<f32>::uniform(rng, true) * threshold < weight;
+        if survives { threshold / weight } else { 0.0 }
+    };
+    survivals(coarse).must_fail("roulette on a grid", BOUND);
 }
 
 /// At a depth of 10¹², flights that begin with any number of words at the top collide.

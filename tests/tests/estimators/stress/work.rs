@@ -119,9 +119,9 @@ fn ramps_are_walked_in_few_segments() {
 }
 
 /// Doublings between the smallest and the largest number, and what begins and ends a ramp.
-const RAMP_SEGMENTS: u32 = 260;
+const RAMP_SEGMENTS: u32 = 160;
 /// Doublings of an atmosphere from e⁻⁶⁰ of a mean free path a scale height to the largest number.
-const AIR_SEGMENTS: u32 = 600;
+const AIR_SEGMENTS: u32 = 300;
 
 #[test]
 fn atmospheres_are_walked_in_few_segments() {
