@@ -30,11 +30,9 @@ fn equal_addends_add_up() {
         100_000_000
     };
     let mut worst = Worst::default();
-    for addend in [0.1_f32] {
-        let exact = f64::from(addend) * f64::from(n);
-        let found = f64::from(repeated::<f32>(addend, n));
-        worst.see((found / exact - 1.0).abs(), || format!("{addend:e}"));
-    }
+    let exact = f64::from(0.1_f32) * f64::from(n);
+    let found = f64::from(repeated::<f32>(0.1, n));
+    worst.see((found / exact - 1.0).abs(), || "0.1".to_owned());
     for addend in [1e-30_f32, 1.000_000_1, 3e20] {
         let n = 10_000_000;
         let exact = f64::from(addend) * f64::from(n);
