@@ -79,7 +79,8 @@ pub fn collisions<R: Real, M: Medium<R>>(
 ///
 /// A walk's weight w begins at 1; each tentative point scores w c_V/σ̄ and leaves w (1 − σ_t/σ̄), and the
 /// end of the ray scores w c_∂V. So emission is found where nothing absorbs, and the variance is lower
-/// than that of [`collisions`] at up to σ̄/σ_t times the look-ups.
+/// than that of [`collisions`] at up to σ̄/σ_t times the look-ups. Points fall where the bound is
+/// positive: a medium that shines must have one there, however thin, or its light is missed.
 ///
 /// * `volume`: c_V at a distance, for the lanes of the mask; total for the others.
 /// * `survival`: walks whose weight falls below play roulette, and survive with it; zero lets them walk

@@ -93,11 +93,22 @@ impl<'a> Depth<'a> {
 
     /// ∫ e^−τ(t) dt = E min(flight, t_max) \[length\].
     pub fn mean_free_flight(&self) -> f64 {
-        let attenuation = |t: f64| (-self.at(t)).exp();
-        self.edges
-            .windows(2)
-            .map(|w| gauss(w[0], w[1], &attenuation))
-            .sum()
+        self.attenuated(|_| 1.0)
+    }
+
+    /// ∫ f(t) e^−τ(t) dt over the whole ray, for `f` as smooth between the edges as the extinction.
+    pub fn attenuated(&self, f: impl Fn(f64) -> f64) -> f64 {
+        let (mut integral, mut passed) = (0.0, 0.0);
+        for w in self.edges.windows(2) {
+            // One further cut: τ has a degree more than the extinction, and its exponential all of them.
+            let step = (w[1] - w[0]) / 2.0;
+            for a in [w[0], w[0] + step] {
+                let attenuation = |t: f64| (-(passed + gauss(a, t, &*self.sigma_t))).exp();
+                integral += gauss(a, a + step, &|t| f(t) * attenuation(t));
+                passed += gauss(a, a + step, &*self.sigma_t);
+            }
+        }
+        integral
     }
 }
 

@@ -199,6 +199,8 @@ pub mod transmittance {
         const SERVES: Serves;
         /// Every estimate of a medium whose bound is tight is exact, not zero or one.
         const EXACT_WHERE_TIGHT: bool;
+        /// So is every estimate of a medium whose bound is tight in each of several segments.
+        const EXACT_IN_PIECES: bool;
         /// Between what estimates lie.
         const RANGE: (f64, f64);
         /// An estimate in closed form.
@@ -254,7 +256,7 @@ pub mod transmittance {
     macro_rules! row {
         (
             $name:ident, $serves:ident, $how:ident = $call:expr,
-            exact_where_tight = $exact:literal, range = $range:expr,
+            exact_where_tight = $exact:literal, exact_in_pieces = $pieces:literal, range = $range:expr,
             second_moment = $second:expr, lookups = $lookups:expr
         ) => {
             #[doc = concat!("`transmittance/", stringify!($name), ".rs`, or a variant of it.")]
@@ -266,6 +268,7 @@ pub mod transmittance {
                 impl Estimator for Row {
                     const SERVES: Serves = Serves::$serves;
                     const EXACT_WHERE_TIGHT: bool = $exact;
+                    const EXACT_IN_PIECES: bool = $pieces;
                     const RANGE: (f64, f64) = $range;
                     calls!(R, $how = $call);
                     fn second_moment(known: &Known) -> Option<f64> {
@@ -290,6 +293,7 @@ pub mod transmittance {
         closed_form =
             |medium, ray, t_max, _, _| transmittance::analytic::estimate(medium, ray, t_max),
         exact_where_tight = true,
+        exact_in_pieces = true,
         range = UNIT,
         second_moment = |k| Some((-2.0 * k.optical_depth).exp()),
         lookups = |_| Some(0.0)
@@ -301,6 +305,7 @@ pub mod transmittance {
             medium, ray, t_max, active
         ),
         exact_where_tight = true,
+        exact_in_pieces = true,
         range = UNIT,
         second_moment = |k| Some((-2.0 * k.optical_depth).exp()),
         lookups = |_| Some(0.0)
@@ -310,6 +315,7 @@ pub mod transmittance {
         Any,
         any = transmittance::delta::estimate,
         exact_where_tight = false,
+        exact_in_pieces = false,
         range = UNIT,
         second_moment = |k| Some(k.delta_moment()),
         lookups = |k| Some(k.majorant * k.mean_free_flight)
@@ -319,6 +325,7 @@ pub mod transmittance {
         Any,
         any = transmittance::ratio::estimate,
         exact_where_tight = false,
+        exact_in_pieces = false,
         range = UNIT,
         second_moment = |k| Some((k.squared_integral / k.majorant - 2.0 * k.optical_depth).exp()),
         lookups = |k| Some(k.majorant * k.t_max)
@@ -328,6 +335,7 @@ pub mod transmittance {
         Any,
         any = transmittance::residual_ratio::estimate::<Mean, R, M>,
         exact_where_tight = true,
+        exact_in_pieces = true,
         range = (0.0, f64::INFINITY),
         second_moment = |k| Some(k.residual(k.mean).0),
         lookups = |k| Some(k.residual(k.mean).1 * k.t_max)
@@ -337,6 +345,7 @@ pub mod transmittance {
         Any,
         any = transmittance::residual_ratio::estimate::<Minimum, R, M>,
         exact_where_tight = true,
+        exact_in_pieces = true,
         range = UNIT,
         second_moment = |k| Some(k.residual(k.minimum).0),
         lookups = |k| Some(k.residual(k.minimum).1 * k.t_max)
@@ -348,6 +357,7 @@ pub mod transmittance {
             medium, ray, t_max, WALKS, rng, active
         ),
         exact_where_tight = true,
+        exact_in_pieces = true,
         range = UNIT,
         second_moment = |_| None,
         lookups = |_| None
@@ -357,6 +367,7 @@ pub mod transmittance {
         Any,
         any = transmittance::power_series::estimate::<Distance, R, M>,
         exact_where_tight = true,
+        exact_in_pieces = false,
         range = (f64::NEG_INFINITY, f64::INFINITY),
         second_moment = |_| None,
         lookups = |_| None
@@ -366,6 +377,7 @@ pub mod transmittance {
         Any,
         any = transmittance::power_series::estimate::<Depth, R, M>,
         exact_where_tight = true,
+        exact_in_pieces = true,
         range = (f64::NEG_INFINITY, f64::INFINITY),
         second_moment = |_| None,
         lookups = |_| None

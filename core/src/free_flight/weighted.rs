@@ -8,10 +8,17 @@
 //! Both weights follow from w σ_t/(σ̄ P) and w (σ̄ − σ_t)/(σ̄ (1 − P)). Where σ̄ bounds σ_t they are 1 and
 //! this is delta tracking. Elsewhere E\[w · 1(collided before t)\] = 1 − T(t) and E\[w · 1(left)\] = T still
 //! hold, for any σ̄ > 0. **The variance does not stay small**: each event above the bound multiplies |w|
-//! by 2σ_t/σ̄ − 1, so E\[w²\] grows like exp(∫4σ_t(σ_t − σ̄)/σ̄ dt) over the stretches where the bound
-//! fails. A bound that is a few per cent low costs little, one that is low by half on many mean free
-//! paths makes the estimate useless. A medium's segment with a bound of zero and extinction above it is
-//! never seen. Sources: [Carter, Cashwell, Taylor 1972], [Kutz 2017].
+//! by 2σ_t/σ̄ − 1. With m the second moment of the weight of what is still under way at t,
+//!
+//! ```text
+//! m(t) = E[w² · 1(t reached)] = exp(∫₀ᵗ h ds),   h = −σ_t under the bound, σ_t (2σ_t/σ̄ − 3) beyond it
+//! E[w²] = m(t_max) + ∫ m σ_t max(1, 2σ_t/σ̄ − 1) dt
+//! ```
+//!
+//! Above two thirds of the extinction a bound that fails lets m fall with distance, and the variance
+//! stays moderate on rays of any length; below, m grows with every mean free path and the estimate is
+//! soon useless. A medium's segment with a bound of zero and extinction above it is never seen. Sources:
+//! [Carter, Cashwell, Taylor 1972], [Kutz 2017].
 
 use crate::free_flight::Flight;
 use crate::majorant::{Process, Stages};

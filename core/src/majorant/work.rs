@@ -99,7 +99,9 @@ pub fn check_work<R: Real, M: Medium<R>>(
     if depth.le(R::splat(limit)).all() {
         return Ok(depth);
     }
-    let largest = (0..R::LANES).map(|lane| depth.lane(lane));
-    let expected = largest.fold(0.0_f32, |a, b| if b <= a { a } else { b });
+    let depths = (0..R::LANES).map(|lane| depth.lane(lane));
+    // The largest, or NaN if there is one.
+    let larger = |a: f32, b| if a.is_nan() || b <= a { a } else { b };
+    let expected = depths.fold(0.0, larger);
     Err(WorkError { expected, limit })
 }

@@ -141,7 +141,9 @@ impl<R: Real> Medium<R> for Linear {
     }
     #[inline(always)]
     fn sigma_t(&self, walk: &LinearWalk<R>, t: R, _: &mut impl Stream<R>, _: R::Mask) -> R {
-        value(walk.a, walk.b, t.min(walk.t_exit))
+        // A distance may be rounded a hair out of the piece, the value not out of its bounds.
+        let [low, high] = walk.ends;
+        value(walk.a, walk.b, t).max(low).min(high)
     }
 }
 

@@ -14,27 +14,30 @@
 //! T̂ = mean_i e^{X_i} Σ_{k ≤ N} m_k(X_j − X_i, j ≠ i) / (k! P(N ≥ k)),   M ≈ ∛((0.015 + s)(0.65 + s)(60.3 + s))/1.31945
 //! ```
 //!
-//! with s the range that X can have, (max σ̄ − min c) L. Not truncated: beyond eleven further estimates
-//! the powers go on as plain products, which have the same expectation and need no memory. Estimates
-//! may be negative, and exceed one.
+//! with s the range that X can have. Not truncated: beyond eleven further estimates the powers go on as
+//! plain products, which have the same expectation and need no memory. Estimates may be negative, and
+//! exceed one.
 //!
-//! A comb may be spaced equally in distance ([`Distance`]) or in majorant depth ([`Depth`]): the former
-//! is far better on smooth media, where its error falls with a high power of M; the latter skips empty
-//! space, and is exact where the bound is the extinction. Mean number of look-ups: 1.319 M. Source:
-//! [Kettunen 2021], which truncates nothing either; its constants.
+//! A comb may be spaced equally in distance ([`Distance`]), where s = (max σ̄ − min c) L with c the known
+//! minimum; or in the depth ∫(σ̄ − c) dt of what is unknown ([`Depth`]), which is then s, ∫c dt being added
+//! exactly. The former is far better on smooth media, where its error falls with a high power of M; the
+//! latter skips empty space, and is exact where the bound is the extinction. Mean number of look-ups:
+//! M (1 + E N) = M (1 + (e² − 1)/20) = 1.319 M. Source: [Kettunen 2021], which truncates nothing either;
+//! its constants.
 
 use crate::majorant::{Stages, for_each_segment, majorant_depth};
 use crate::medium::{Controlled, Medium};
-use crate::ray::Ray;
+use crate::ray::{FAR, Ray};
 use crate::real::{Mask, Real};
 use crate::stream::Stream;
 use crate::sum::Compensated;
 use crate::transmittance::delta;
+use crate::transmittance::residual_ratio::{Minimum, Residual};
 
 /// How the points of a comb are spaced along the ray.
 pub trait Spacing: 'static {
     /// An unbiased estimate of the optical depth from `points` look-ups, a whole number per lane.
-    fn optical_depth<R: Real, M: Medium<R>>(
+    fn optical_depth<R: Real, M: Controlled<R>>(
         medium: &M,
         ray: &Ray<R>,
         t_max: R,
@@ -50,13 +53,13 @@ pub trait Spacing: 'static {
 #[derive(Clone, Copy, Debug)]
 pub struct Distance;
 
-/// Points equidistant in majorant depth: none in empty space.
+/// Points equidistant in ∫(σ̄ − c) dt: none in empty space, nor where everything is known.
 #[derive(Clone, Copy, Debug)]
 pub struct Depth;
 
 impl Spacing for Distance {
     #[inline(always)]
-    fn optical_depth<R: Real, M: Medium<R>>(
+    fn optical_depth<R: Real, M: Controlled<R>>(
         medium: &M,
         ray: &Ray<R>,
         t_max: R,
@@ -79,7 +82,7 @@ impl Spacing for Distance {
 
 impl Spacing for Depth {
     #[inline(always)]
-    fn optical_depth<R: Real, M: Medium<R>>(
+    fn optical_depth<R: Real, M: Controlled<R>>(
         medium: &M,
         ray: &Ray<R>,
         t_max: R,
@@ -91,19 +94,7 @@ impl Spacing for Depth {
     }
     #[inline(always)]
     fn spread<R: Real, M: Controlled<R>>(medium: &M, ray: &Ray<R>, t_max: R, active: R::Mask) -> R {
-        let mut spread = R::zero();
-        for_each_segment(
-            medium,
-            ray,
-            t_max,
-            active,
-            |walk, majorant, length, lanes| {
-                let known = medium.control(walk).minimum;
-                let more = (majorant - known).max(R::zero()) * length;
-                spread = R::select(lanes, spread + more, spread);
-            },
-        );
-        spread
+        majorant_depth(&Residual::<M, Minimum>::new(medium), ray, t_max, active)
     }
 }
 
@@ -120,6 +111,7 @@ pub(crate) fn comb_in_distance<R: Real, M: Medium<R>>(
     rng: &mut impl Stream<R>,
     active: R::Mask,
 ) -> R {
+    let t_max = t_max.min(R::splat(FAR));
     let mut lanes = active & R::zero().lt(t_max);
     let mut walk = medium.idle();
     medium.begin(&mut walk, ray, lanes);
@@ -146,9 +138,9 @@ pub(crate) fn comb_in_distance<R: Real, M: Medium<R>>(
     sum.high * step
 }
 
-/// (D/M) Σ σ_t/σ̄ at the majorant depths (i + ξ) D/M for i < M, D the whole ray's.
+/// ∫c dt + (D/M) Σ (σ_t − c)/(σ̄ − c) at the depths (i + ξ) D/M for i < M, D = ∫(σ̄ − c) dt the whole ray's.
 #[inline]
-fn comb_in_depth<R: Real, M: Medium<R>>(
+fn comb_in_depth<R: Real, M: Controlled<R>>(
     medium: &M,
     ray: &Ray<R>,
     t_max: R,
@@ -156,28 +148,34 @@ fn comb_in_depth<R: Real, M: Medium<R>>(
     rng: &mut impl Stream<R>,
     active: R::Mask,
 ) -> R {
-    let depth = majorant_depth(medium, ray, t_max, active);
+    let unknown = Residual::<M, Minimum>::new(medium);
+    let (mut known, mut depth) = (R::zero(), R::zero());
+    for_each_segment(&unknown, ray, t_max, active, |walk, rate, length, lanes| {
+        let minimum = medium.control(walk).minimum;
+        known = R::select(lanes, known + minimum * length, known);
+        depth = R::select(lanes, depth + rate * length, depth);
+    });
     let lanes = active & R::zero().lt(depth);
-    if M::TIGHT || !lanes.any() {
-        return depth;
+    if !lanes.any() {
+        return known;
     }
     let step = depth / points;
     let offset = rng.uniform(lanes);
     let mut stages = Stages::idle(medium);
-    stages.begin_towards(medium, ray, t_max, offset * step, lanes);
+    stages.begin_towards(&unknown, ray, t_max, offset * step, lanes);
     let mut tooth = R::zero();
     let mut sum = Compensated::zero();
     loop {
         // The last point may be rounded beyond the end, with a chance of about 1e-7; it is then missed.
         while stages.tracking().any() {
-            stages.advance(medium);
+            stages.advance(&unknown);
         }
         let lanes = stages.tentative();
         if !lanes.any() {
-            return sum.high * step;
+            return known + sum.high * step;
         }
-        let (sigma_t, majorant) = stages.sigma_t(medium, rng);
-        sum = Compensated::select(lanes, sum.plus(sigma_t / majorant), sum);
+        let (rest, rate) = stages.sigma_t(&unknown, rng);
+        sum = Compensated::select(lanes, sum.plus(rest / rate), sum);
         tooth = tooth + R::one();
         let on = lanes & tooth.lt(points);
         stages.redirect(step, on);

@@ -9,7 +9,8 @@ use crate::real::Real;
 
 /// The transmittance of `[0, t_max)` of each active lane's ray; one elsewhere.
 ///
-/// Relative error: that of `exp`, and about 1e-7 of the optical depth.
+/// Relative error: that of `exp`, and of the optical depth 1e-7 in a few cells, 3e-6 in a thousand, as the
+/// distance to each face is rounded.
 #[inline]
 pub fn estimate<R: Real, M: PiecewiseConstant<R>>(
     medium: &M,

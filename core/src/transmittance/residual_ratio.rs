@@ -14,9 +14,10 @@ use core::marker::PhantomData;
 
 use crate::majorant::{Process, Segment, Stages};
 use crate::medium::{Control, Controlled, Medium};
-use crate::ray::Ray;
+use crate::ray::{FAR, Ray};
 use crate::real::{Mask, Real};
 use crate::stream::Stream;
+use crate::sum::Compensated;
 use crate::transmittance::Rule;
 use crate::transmittance::ratio::Ratio;
 
@@ -119,7 +120,7 @@ impl<R: Real, M: Controlled<R>, C: Choice> Medium<R> for Residual<'_, M, C> {
 pub struct ResidualRatio<R: Real, W, C> {
     stages: Stages<R, W>,
     weight: R,
-    control_depth: R,
+    control_depth: Compensated<R>,
     choice: PhantomData<C>,
 }
 
@@ -130,7 +131,7 @@ impl<R: Real, W: Clone, C: Choice> ResidualRatio<R, W, C> {
         Self {
             stages: Stages::idle(medium),
             weight: R::zero(),
-            control_depth: R::zero(),
+            control_depth: Compensated::zero(),
             choice: PhantomData,
         }
     }
@@ -153,7 +154,7 @@ impl<R: Real, M: Controlled<R>, C: Choice> Process<R, M> for ResidualRatio<R, M:
         let residual = Residual::<M, C>::new(medium);
         self.stages.begin(&residual, ray, t_max, rng, active);
         self.weight = R::select(active, R::one(), self.weight);
-        self.control_depth = R::select(active, R::zero(), self.control_depth);
+        self.control_depth = Compensated::select(active, Compensated::zero(), self.control_depth);
     }
     #[inline(always)]
     fn advance(&mut self, medium: &M) {
@@ -161,8 +162,10 @@ impl<R: Real, M: Controlled<R>, C: Choice> Process<R, M> for ResidualRatio<R, M:
         let lanes = self.stages.tracking();
         let control = residual.control::<R>(&self.stages.tracker.walk);
         let length = self.stages.advance(&residual).length;
-        let depth = self.control_depth + control * length;
-        self.control_depth = R::select(lanes, depth, self.control_depth);
+        // Steps may be many and small: a plain sum of 10⁷ of them loses some per cent. None overflows it.
+        let step = (control * length).min(R::splat(FAR));
+        let depth = self.control_depth.plus(step);
+        self.control_depth = Compensated::select(lanes, depth, self.control_depth);
     }
     #[inline(always)]
     fn collide(&mut self, medium: &M, rng: &mut impl Stream<R>) {
@@ -175,9 +178,10 @@ impl<R: Real, M: Controlled<R>, C: Choice> Process<R, M> for ResidualRatio<R, M:
         let large = R::splat(18_446_744_073_709_551_616.0).lt(self.weight) & lanes;
         if large.any() {
             let smaller = self.weight * R::splat(1.0 / 18_446_744_073_709_551_616.0);
-            let shallower = self.control_depth - R::splat(64.0 * core::f32::consts::LN_2);
+            let less = R::splat(-64.0 * core::f32::consts::LN_2);
+            let shallower = self.control_depth.plus(less);
             self.weight = R::select(large, smaller, self.weight);
-            self.control_depth = R::select(large, shallower, self.control_depth);
+            self.control_depth = Compensated::select(large, shallower, self.control_depth);
         }
         // A weight of zero completes its estimate.
         let onward = lanes.and_not(self.weight.eq(R::zero()));
@@ -185,7 +189,7 @@ impl<R: Real, M: Controlled<R>, C: Choice> Process<R, M> for ResidualRatio<R, M:
     }
     #[inline(always)]
     fn result(&self) -> R {
-        self.weight * (-self.control_depth).exp()
+        self.weight * (-self.control_depth.high).exp()
     }
 }
 

@@ -78,6 +78,32 @@ impl Mutants {
         trials.push((check.to_owned(), verdict));
     }
 
+    /// Tries a mutant with more and more samples, up to `most`, until a check rejects it: nearly all die early.
+    ///
+    /// * `trial`: the verdicts of checks, by name, on so many samples of the mutant.
+    ///
+    /// # Panics
+    /// When the suite did not name `mutant`.
+    #[track_caller]
+    pub fn hunt(
+        &mut self,
+        mutant: &str,
+        most: usize,
+        mut trial: impl FnMut(usize) -> Vec<(&'static str, Verdict)>,
+    ) {
+        let mut n = (most / 64).max(1);
+        loop {
+            let verdicts = trial(n);
+            for &(check, verdict) in &verdicts {
+                self.trial(check, mutant, verdict);
+            }
+            if n >= most || verdicts.iter().any(|&(_, verdict)| kills(verdict)) {
+                return;
+            }
+            n = (8 * n).min(most);
+        }
+    }
+
     /// What is wrong with the suite, one line each; empty when it may pass.
     pub fn complaints(&self) -> Vec<String> {
         let mut lines = Vec::new();
@@ -193,6 +219,24 @@ mod tests {
         assert!(red.contains("of the real thing"));
         let unchecked = complaint(|s| s.trial("mean", "mutant", KILL));
         assert!(unchecked.contains("never the real thing"));
+    }
+
+    #[test]
+    fn a_hunt_ends_with_the_kill_or_with_the_samples() {
+        let mut suite = Mutants::new("suite", &["weak", "strong"]);
+        suite.check("mean", Verdict::Agrees);
+        let mut tried = Vec::new();
+        let verdict = |dies| if dies { KILL } else { WEAK };
+        suite.hunt("weak", 1000, |n| {
+            tried.push(n);
+            vec![("mean", verdict(n >= 900))]
+        });
+        suite.hunt("strong", 1 << 20, |n| {
+            tried.push(n);
+            vec![("mean", verdict(true))]
+        });
+        assert_eq!(tried, [15, 120, 960, 1 << 14]);
+        suite.finish();
     }
 
     #[test]

@@ -6,6 +6,7 @@ mod elementary;
 mod enclosure;
 mod free_flight;
 mod lanes;
+mod line_integral;
 mod majorant;
 mod medium;
 mod phase;

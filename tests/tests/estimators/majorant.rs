@@ -13,6 +13,8 @@ use woodcock_tests::widths::{everyone, ray, width};
 mod controls;
 mod errors;
 mod rounding;
+mod tracker;
+mod work;
 
 /// Sizes around the edge of a block: inside one, one exactly, one and a sample, many.
 const SIZES: [[u32; 3]; 10] = [

@@ -1,19 +1,26 @@
 //! Bundles of rays: every schedule and every length gives each ray what scalar code gives it.
 
+use woodcock_core::free_flight::decomposition::{self, Decomposition};
+use woodcock_core::free_flight::weighted::{self, Weighted};
 use woodcock_core::free_flight::{Flight, analytic, delta};
-use woodcock_core::medium::{Homogeneous, IDENTITY, Medium, Procedural};
+use woodcock_core::medium::{
+    ClosedForm, Controlled, Exponential, Homogeneous, IDENTITY, Interpolated, Linear, Overlap,
+    Procedural, Within,
+};
 use woodcock_core::ray::Ray;
 use woodcock_core::stream::{Key, PathStream};
 use woodcock_core::transmittance;
 use woodcock_core::transmittance::delta::Delta;
 use woodcock_core::transmittance::ratio::Ratio;
+use woodcock_core::transmittance::residual_ratio::{self, Mean, Minimum, ResidualRatio};
 use woodcock_core::vec3::Vec3;
 use woodcock_packet::bundle::{
-    Bundle, BundleRay, Schedule, analytic_flights, free_flights, transmittances,
+    Bundle, BundleRay, Schedule, analytic_flights, free_flights, run, transmittances,
 };
 use woodcock_packet::lanes::Lanes;
 use woodcock_tests::grids::{TestGrid, unit};
 use woodcock_tests::stats::independent::SplitMix;
+use woodcock_tests::voxels::TestVoxels;
 use woodcock_tests::widths::per_lane;
 
 /// Bundles around multiples of the number of lanes, and none at all.
@@ -81,7 +88,12 @@ fn same(name: &str, wide: &[f32], one: impl Fn(usize) -> f32) {
 }
 
 /// Every length and both schedules; `one` and `eight` are the same medium for each width.
-fn medium<A: Medium<f32>, B: Medium<Lanes>>(name: &str, one: &A, eight: &B, size: [f64; 3]) {
+fn medium<A: Controlled<f32>, B: Controlled<Lanes>>(
+    name: &str,
+    one: &A,
+    eight: &B,
+    size: [f64; 3],
+) {
     for count in LENGTHS {
         let rays = rays(count, size);
         let bundle: Bundle = rays.iter().collect();
@@ -113,12 +125,51 @@ fn medium<A: Medium<f32>, B: Medium<Lanes>>(name: &str, one: &A, eight: &B, size
                 let (along, mut rng) = scalar(&rays[i]);
                 transmittance::ratio::estimate(one, &along, rays[i].t_max, &mut rng, true)
             });
+            processes(&name, one, eight, &rays, schedule);
         }
         assert_eq!(
             tentative[0], tentative[1],
             "{name}: the same events under either schedule"
         );
     }
+}
+
+/// Every other process that a bundle can run.
+fn processes<A: Controlled<f32>, B: Controlled<Lanes>>(
+    name: &str,
+    one: &A,
+    eight: &B,
+    rays: &[BundleRay],
+    schedule: Schedule,
+) {
+    let bundle: Bundle = rays.iter().collect();
+    let mut out = vec![f32::NAN; rays.len()];
+    macro_rules! check {
+        ($process:expr, |$along:ident, $t_max:ident, $rng:ident| $scalar:expr) => {
+            run(eight, &mut $process, &bundle, schedule, &mut out);
+            same(&format!("{name}, {}", stringify!($process)), &out, |i| {
+                let ($along, mut stream) = scalar(&rays[i]);
+                let ($t_max, $rng) = (rays[i].t_max, &mut stream);
+                $scalar
+            });
+        };
+    }
+    check!(Decomposition::idle(eight), |along, t_max, rng| distance(
+        decomposition::sample(one, &along, t_max, rng, true)
+    ));
+    check!(Weighted::idle(eight), |along, t_max, rng| distance(
+        weighted::sample(one, &along, t_max, rng, true).flight
+    ));
+    check!(
+        ResidualRatio::<Lanes, B::Walk, Mean>::idle(eight),
+        |along, t_max, rng| residual_ratio::estimate::<Mean, _, _>(one, &along, t_max, rng, true)
+    );
+    check!(
+        ResidualRatio::<Lanes, B::Walk, Minimum>::idle(eight),
+        |along, t_max, rng| residual_ratio::estimate::<Minimum, _, _>(
+            one, &along, t_max, rng, true
+        )
+    );
 }
 
 #[test]
@@ -131,9 +182,9 @@ fn homogeneous_bundles() {
 
 #[test]
 fn procedural_bundles() {
-    let field = |x: f64, y: f64, z: f64| 2.0 + (3.0 * x).sin() + (2.0 * y * z).cos();
-    let one = Procedural::new(per_lane::<f32>(field), 4.1);
-    let eight = Procedural::new(per_lane::<Lanes>(field), 4.1);
+    let field = |x: f64, y: f64, z: f64| 2.5 + (3.0 * x).sin() + (2.0 * y * z).cos();
+    let one = Procedural::new(per_lane::<f32>(field), 4.6).with_control(0.5, 2.5);
+    let eight = Procedural::new(per_lane::<Lanes>(field), 4.6).with_control(0.5, 2.5);
     medium("formula", &one, &eight, [2.0, 1.5, 3.0]);
 }
 
@@ -155,30 +206,56 @@ fn grid_bundles() {
 }
 
 #[test]
+fn bundles_through_voxels_ramps_and_overlaps() {
+    let voxels = TestVoxels::random([13, 9, 11], 97, 0.3);
+    let in_voxels = voxels.medium(IDENTITY, 0.5);
+    medium("voxels", &in_voxels, &in_voxels, [13.0, 9.0, 11.0]);
+    for (offset, gradient) in [
+        (0.0, [0.5, 0.25, 0.0]),
+        (2.0, [-0.5, 0.0, -0.125]),
+        (-1.0, [0.0, 0.5, 0.5]),
+    ] {
+        let ramp = Linear::new(offset, gradient).expect("a finite ramp");
+        medium("ramp", &ramp, &ramp, [4.0, 4.0, 4.0]);
+        let grid = TestGrid::random([9, 10, 17], 98, 0.4);
+        let both = Overlap(Within::domain(grid.medium(IDENTITY, 0.5)), ramp);
+        medium("grid in its box and ramp", &both, &both, [12.0, 7.0, 20.0]);
+    }
+    let air = Exponential::new(0.5, [0.0, -0.25, 0.5]).expect("a valid atmosphere");
+    medium("atmosphere", &air, &air, [4.0, 4.0, 4.0]);
+    let grid = TestGrid::random([17, 18, 19], 99, 0.4);
+    let in_full = Interpolated(grid.medium(IDENTITY, 0.5));
+    medium("grid in full", &in_full, &in_full, [16.0, 17.0, 18.0]);
+}
+
+/// Closed forms are the same eight at a time.
+fn closed_form(medium: &(impl ClosedForm<f32> + ClosedForm<Lanes>)) {
+    for count in LENGTHS {
+        let rays = rays(count, [2.0; 3]);
+        let bundle: Bundle = rays.iter().collect();
+        for places in [count, count / 2, count + 5] {
+            let mut out = vec![f32::NAN; places];
+            let usage = analytic_flights(medium, &bundle, &mut out);
+            let landed = count.min(places);
+            assert_eq!(usage.tentative_collisions, landed as u64);
+            assert!(out[landed..].iter().all(|x| x.is_nan()));
+            same("closed form", &out[..landed], |i| {
+                let (along, mut rng) = scalar(&rays[i]);
+                let flight = analytic::sample(medium, &along, rays[i].t_max, &mut rng, true);
+                distance(flight)
+            });
+        }
+    }
+}
+
+#[test]
 fn closed_form_bundles() {
     for sigma_t in [0.0, 0.7, 100.0] {
-        let fog = Homogeneous::new(sigma_t).expect("a valid extinction");
-        for count in LENGTHS {
-            let rays = rays(count, [2.0; 3]);
-            let bundle: Bundle = rays.iter().collect();
-            for places in [count, count / 2, count + 5] {
-                let mut out = vec![f32::NAN; places];
-                let usage = analytic_flights(&fog, &bundle, &mut out);
-                let landed = count.min(places);
-                assert_eq!(usage.tentative_collisions, landed as u64);
-                assert!(out[landed..].iter().all(|x| x.is_nan()));
-                same("closed form", &out[..landed], |i| {
-                    let (along, mut rng) = scalar(&rays[i]);
-                    distance(analytic::sample(
-                        &fog,
-                        &along,
-                        rays[i].t_max,
-                        &mut rng,
-                        true,
-                    ))
-                });
-            }
-        }
+        closed_form(&Homogeneous::new(sigma_t).expect("a valid extinction"));
+    }
+    closed_form(&Exponential::new(1.5, [0.5, 0.0, -0.25]).expect("a valid atmosphere"));
+    for offset in [-0.5, 0.0, 1.0] {
+        closed_form(&Linear::new(offset, [0.75, -0.5, 0.25]).expect("a finite ramp"));
     }
 }
 
