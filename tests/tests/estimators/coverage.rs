@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 use std::path::Path;
+use woodcock_tests::{fixtures, mutants};
 
 /// The files of a folder of core that hold one thing each, without their ending.
 fn files(folder: &str, not_things: &[&str]) -> BTreeSet<String> {
@@ -71,4 +72,19 @@ fn a_file_without_a_row_is_missed() {
     assert_ne!(files("transmittance", &[]), rows);
     let fewer: BTreeSet<String> = rows.iter().skip(1).cloned().collect();
     assert_ne!(files("phase", &[]), fewer);
+}
+
+/// What the project says of its own suites: at least 300 registry checks, and 40 planted mistakes.
+///
+/// A check is a row judged on a fixture at a width; only those of the twelve fields with their four rays are counted.
+#[test]
+fn there_are_enough_checks_and_mistakes() {
+    let judged = fixtures::all().len() * 3;
+    // All rows but the two that serve special media, and the variants that share a file with a row.
+    let flights = rows!(for_each_free_flight).len() - 2;
+    let weights = rows!(for_each_transmittance).len() - 2 + 2;
+    let checks = judged * (flights + weights);
+    assert!(checks >= 300, "{checks} checks");
+    let mistakes = mutants::all().len() + crate::spectral::mutants::MUTANTS.len();
+    assert!(mistakes >= 40, "{mistakes} planted mistakes");
 }

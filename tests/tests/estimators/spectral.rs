@@ -16,7 +16,7 @@ mod bounds;
 mod grey;
 mod lanes;
 mod laws;
-mod mutants;
+pub(crate) mod mutants;
 mod weights;
 
 /// Colours from opaque to clear; N wavelengths take the first N.

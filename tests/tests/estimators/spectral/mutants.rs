@@ -52,7 +52,7 @@ type Finish = fn(State) -> [f64; 3];
 /// Which wavelength leads.
 type Lead = fn(&mut SplitMix) -> usize;
 
-struct Mutant {
+pub(crate) struct Mutant {
     name: &'static str,
     lead: Lead,
     decide: Decide,
@@ -99,7 +99,7 @@ fn by_hero(state: &mut State, sigma: [f64; 3], majorant: f64, rng: &mut SplitMix
     real
 }
 
-const MUTANTS: [Mutant; 10] = [
+pub(crate) const MUTANTS: [Mutant; 10] = [
     Mutant {
         name: "null collisions leave the weights",
         lead: any,
