@@ -154,7 +154,9 @@ impl<R: Real> Medium<R> for Exponential {
     }
     #[inline(always)]
     fn sigma_t(&self, walk: &ExponentialWalk<R>, t: R, _: &mut impl Stream<R>, _: R::Mask) -> R {
-        self.value(walk.h + walk.k * t.min(walk.t_exit))
+        // A distance may be rounded a hair out of the piece, the value not out of its bounds.
+        let [low, high] = walk.ends;
+        self.value(walk.h + walk.k * t).max(low).min(high)
     }
 }
 

@@ -79,6 +79,6 @@ mod tests {
         let all = all();
         let names: BTreeSet<_> = all.iter().collect();
         assert_eq!(names.len(), all.len());
-        assert!(all.len() >= 38, "{}", all.len());
+        assert!(all.len() >= 39, "{}", all.len());
     }
 }

@@ -3,8 +3,7 @@
 use woodcock_core::medium::{Audited, Procedural};
 use woodcock_core::ray::Ray;
 use woodcock_core::real::Real;
-use woodcock_core::stream::KeyedStream;
-use woodcock_core::stream::PathStream;
+use woodcock_core::stream::{Key, KeyedStream, PathStream};
 use woodcock_core::transmittance::{ratio, residual_ratio};
 use woodcock_packet::bits::LaneStream;
 use woodcock_packet::lanes::{LANES, Lanes};
@@ -55,7 +54,7 @@ fn no_step_is_lost() {
 fn the_control_keeps_its_depth() {
     let medium = Procedural::new(|_| 2.0_f32, 1e7).with_control(2.0, 2.0);
     let along: Ray<f32> = ray([0.0; 3], [0.0, 1.0, 0.0]);
-    let mut rng = PathStream::new(woodcock_core::stream::Key::default());
+    let mut rng = PathStream::new(Key::default());
     let weight = residual_ratio::estimate::<residual_ratio::Minimum, f32, _>(
         &medium, &along, 1.0, &mut rng, true,
     );

@@ -224,7 +224,7 @@ impl Row for Boxed {
         let chord = chord([10, 10, 10], [2.0, 3.0, 4.0], [0.5, 0.3, 0.8]);
         question.ask("fog in a box", &medium, &at, &chord);
         // Far away, where a distance is rounded by more than the pieces of the ramp resolve.
-        for (offset, slope) in [(4016.0, -4.0), (-3999.5, 4.0)] {
+        for (offset, slope) in [(3715.3, -3.7), (-3699.6, 3.7)] {
             let ramp = Linear::new(offset, [slope, 0.0, 0.0]).expect("a finite ramp");
             let medium =
                 Within::aligned(ramp, [1000.0, 0.0, 0.0], [1004.0, 9.0, 9.0]).expect("a box");
@@ -242,6 +242,29 @@ impl Row for Boxed {
                 t_max: 1008.0,
             };
             question.ask("ramp in a far box", &medium, &at, &chord);
+        }
+        for k in [1.3_f32, -1.3] {
+            // e^−kx, of order one in the box.
+            let air = Exponential::new((k * 0.01).exp(), [k, 0.0, 0.0]).expect("an atmosphere");
+            let shift = [
+                [1.0, 0.0, 0.0, -1000.0],
+                [0.0, 1.0, 0.0, 0.0],
+                [0.0, 0.0, 1.0, 0.0],
+            ];
+            let air = Placed::new(air, shift).expect("a finite map");
+            let medium =
+                Within::aligned(air, [1000.0, 0.0, 0.0], [1004.0, 9.0, 9.0]).expect("a box");
+            let at = |p: [f64; 3]| {
+                let inside = (1000.0..=1004.0).contains(&p[0]);
+                let height = f64::from(k) * (p[0] - 1000.01);
+                if inside { (-height).exp() } else { 0.0 }
+            };
+            let chord = Chord {
+                origin: [0.0, 4.0, 4.0],
+                direction: [1.0, 0.0, 0.0],
+                t_max: 1008.0,
+            };
+            question.ask("air in a far box", &medium, &at, &chord);
         }
     }
 }
