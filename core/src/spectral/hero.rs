@@ -23,9 +23,10 @@
 //! wavelength fades to zero only where the path is 10³⁸ times less likely with it than with another;
 //! the hero does so with probability 10⁻³⁸. Should all fade at once, weights are zero, not NaN.
 //!
-//! The flights have the law of [`history_aware`](super::history_aware), weights included; what else
-//! befalls a path multiplies its contribution apart from w. Sources: [Wilkie 2014], the hero and the balance heuristic
-//! over its rotations; [Miller 2019], both for paths with null collisions.
+//! The flights have the law of [`history_aware`](super::history_aware), weights included. What else befalls
+//! a path, an albedo say, multiplies its contribution apart from w. Sources: [Wilkie 2014], the hero and
+//! the balance heuristic over the wavelengths that might have led; [Miller 2019], both for paths with null
+//! collisions.
 
 use crate::ray::Ray;
 use crate::real::{Real, Word};
@@ -62,7 +63,7 @@ impl<R: Real, const N: usize> Decision<R, N> for Hero<R, N> {
     #[inline(always)]
     fn begin(&mut self, rng: &mut impl Stream<R>, active: R::Mask) {
         if N > 1 {
-            // Below N also after rounding, as (1 − 2⁻²⁴) N lies half a unit in the last place or more below.
+            // Below N also after rounding: N (1 − 2⁻²⁴) lies nearer to the number below N than to N.
             let hero = (rng.uniform(active) * R::splat(N as f32)).to_word();
             self.hero = R::Word::select(active, hero, self.hero);
         }
