@@ -17,6 +17,7 @@ mod work;
 pub use cells::{CellError, Cells};
 pub use controls::{ControlledGrid, fill_controls};
 pub use dda::{GridLayout, GridWalk};
+pub(crate) use footprint::for_each_entry;
 pub use footprint::majorant_count;
 pub use grid::{BLOCK, MajorantError, MajorantGrid, fill_majorants};
 pub use stages::{Process, Stages};

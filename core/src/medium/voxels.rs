@@ -6,7 +6,7 @@
 
 use core::fmt;
 
-use crate::majorant::{GridLayout, GridWalk, Segment};
+use crate::majorant::{GridLayout, GridWalk, Segment, for_each_entry};
 use crate::medium::{Affine, Control, Controlled, Medium, PiecewiseConstant, transform_ray};
 use crate::ray::{Interval, Ray, clip_to_box};
 use crate::real::Real;
@@ -86,17 +86,14 @@ pub fn fill_voxels(values: &[f32], dims: [u32; 3], table: &mut [f32]) -> Result<
     if let Some(&(found, expected)) = lengths.iter().find(|(found, expected)| found != expected) {
         return Err(VoxelsError::Length { expected, found });
     }
-    table.fill(0.0);
-    let slices = table.chunks_exact_mut((nx + 2) * (ny + 2)).skip(1);
-    for (slice, values) in slices.zip(values.chunks_exact(nx * ny)) {
-        let rows = slice.chunks_exact_mut(nx + 2).skip(1);
-        for (row, values) in rows.zip(values.chunks_exact(nx)) {
-            for (cell, value) in row.iter_mut().skip(1).zip(values) {
-                *cell = *value;
-            }
+    let mut values = values.iter().copied();
+    for_each_entry(dims, |at, cell| {
+        let value = cell.and_then(|_| values.next()).unwrap_or(0.0);
+        if let Some(entry) = table.get_mut(at) {
+            *entry = value;
         }
-    }
-    Ok(())
+        Ok(())
+    })
 }
 
 /// Voxels placed in space; domain: the box of all cells.
@@ -132,19 +129,15 @@ impl<'a> Voxels<'a> {
         if !(finite && scale >= 0.0 && scale.is_finite()) {
             return Err(VoxelsError::Placement);
         }
-        let [nx, ny, nz] = dims.map(|n| n as usize);
-        let in_rim = |i: usize, n: usize| i == 0 || i == n + 1;
-        for (at, &value) in table.iter().enumerate() {
-            let (x, y, z) = (
-                at % (nx + 2),
-                at / (nx + 2) % (ny + 2),
-                at / (nx + 2) / (ny + 2),
-            );
-            let rim = in_rim(x, nx) || in_rim(y, ny) || in_rim(z, nz);
-            if !(value >= 0.0 && (value * scale).is_finite()) || (rim && value != 0.0) {
-                return Err(VoxelsError::Value { at, value });
+        for_each_entry(dims, |at, cell| {
+            let value = table.get(at).copied().unwrap_or(f32::NAN);
+            let sound = value >= 0.0 && (value * scale).is_finite();
+            if sound && (cell.is_some() || value == 0.0) {
+                Ok(())
+            } else {
+                Err(VoxelsError::Value { at, value })
             }
-        }
+        })?;
         Ok(Self {
             table,
             dims,
@@ -214,5 +207,46 @@ impl<R: Real> Controlled<R> for Voxels<'_> {
             minimum: sigma_t,
             mean: sigma_t,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::medium::IDENTITY;
+
+    #[test]
+    fn values_lie_within_a_rim_of_zeros() {
+        let dims = [2, 1, 3];
+        let values = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0];
+        let mut table = [f32::NAN; 4 * 3 * 5];
+        assert_eq!(voxel_count(dims), Some(table.len()));
+        assert_eq!(fill_voxels(&values, dims, &mut table), Ok(()));
+        for (at, &found) in table.iter().enumerate() {
+            let (x, y, z) = (at % 4, at / 4 % 3, at / 12);
+            let inner = (1..3).contains(&x) && y == 1 && (1..4).contains(&z);
+            let expected = if inner {
+                values[x - 1 + 2 * (z - 1)]
+            } else {
+                0.0
+            };
+            assert_eq!(found, expected, "entry {at}");
+        }
+        assert!(Voxels::new(&table, dims, IDENTITY, 1.0).is_ok());
+        // What the rim holds, and what no extinction can be, is found where it stands.
+        for (at, value) in [(0, 1.0), (17, -1.0), (18, f32::INFINITY), (59, 1e-30)] {
+            let mut bad = table;
+            bad[at] = value;
+            let error = Voxels::new(&bad, dims, IDENTITY, 1.0).err();
+            assert_eq!(error, Some(VoxelsError::Value { at, value }));
+        }
+        let short = fill_voxels(&values[1..], dims, &mut table);
+        assert!(matches!(
+            short,
+            Err(VoxelsError::Length {
+                expected: 6,
+                found: 5
+            })
+        ));
     }
 }
