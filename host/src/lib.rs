@@ -5,6 +5,7 @@
 //! [`film`] sums their samples exactly, and [`image`] writes the picture.
 #![forbid(unsafe_code)]
 
+pub mod bsdf;
 pub mod builtin;
 #[cfg(feature = "cli")]
 pub mod cli;
@@ -12,9 +13,13 @@ pub mod drive;
 pub mod film;
 pub mod image;
 pub mod info;
+pub mod integrator;
+pub mod light;
 pub mod output;
+pub mod ray;
 pub mod render;
 pub mod report;
 pub mod scene;
+pub mod surface;
 pub mod volume;
 pub mod world;

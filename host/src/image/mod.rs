@@ -5,11 +5,13 @@
 pub mod exr;
 pub mod metadata;
 pub mod png;
+pub mod read;
 
 use crate::film::{Film, Window};
 use std::collections::BTreeMap;
 
 pub use metadata::RenderMetadata;
+pub use read::{Picture, read_picture};
 
 /// The value of an attribute.
 #[derive(Clone, Debug, PartialEq)]

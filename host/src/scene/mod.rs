@@ -19,17 +19,26 @@ mod medium;
 mod pbrt;
 mod ply;
 mod source;
+mod surface;
+mod texture;
 
 use std::path::Path;
 
-pub use boundary::{Boundary, Shape, Sphere, TriangleMesh};
+pub use boundary::{BilinearMesh, Boundary, Disk, Enclosure, Shape, Sphere, TriangleMesh};
 pub use camera::{Camera, Projection, ScreenWindow};
 pub use error::{SceneError, Warning};
 pub use files::{DiskFiles, Files, MemoryFiles};
 pub use film::{Film, PixelBounds};
-pub use light::{ConstantLight, DistantLight, Light};
-pub use medium::{MediumId, MediumKind, NamedMedium, OpenVdb, Phase, UniformGrid};
+pub use light::{
+    ConstantLight, DistantLight, GoniometricLight, ImageLight, Light, PointLight, SpotLight,
+};
+pub use medium::{
+    Cloud, Emission, MediumId, MediumKind, NamedMedium, NanoVdb, OpenVdb, Phase, RgbGrid,
+    Temperature, TemperatureValues, UniformGrid, Vol,
+};
 pub use source::{Place, Source};
+pub use surface::{AreaEmission, Instance, Material, MaterialId, MaterialKind, Object, Surface};
+pub use texture::{Encoding, Filter, ImageMap, Texture, Wrap};
 
 /// A scene: the camera, the film, and what fills the world between them.
 #[derive(Clone, Debug)]
@@ -50,6 +59,14 @@ pub struct Scene {
     pub camera_medium: Option<MediumId>,
     /// Surfaces at which the medium changes, in file order.
     pub boundaries: Vec<Boundary>,
+    /// Surfaces with matter or light, in file order. One that also separates media is among the boundaries too.
+    pub surfaces: Vec<Surface>,
+    /// All materials; [`MaterialId`] indexes this list.
+    pub materials: Vec<Material>,
+    /// Surfaces to be placed by instances.
+    pub objects: Vec<Object>,
+    /// Objects placed in the world.
+    pub instances: Vec<Instance>,
     /// Lights in file order.
     pub lights: Vec<Light>,
     /// What was ignored or approximated, in file order.
@@ -69,7 +86,7 @@ impl Scene {
 /// How light is to be transported.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Integrator {
-    /// Our name of it; `path` so far.
+    /// Our name of it: `path`, `bdpt`, `mlt`, `single` or `transmittance`.
     pub name: String,
     /// Most scattering events of a path. `None` is no limit, unlike pbrt, whose default of 5 truncates
     /// clouds.

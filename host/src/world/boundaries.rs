@@ -57,8 +57,8 @@ pub(super) enum Facing {
 
 /// Which way the normals of a shape point: by the sign of the volume that its triangles enclose, if every edge
 /// is shared by as many triangles in one direction as in the other.
-pub(super) fn facing(shape: &scene::Shape) -> Facing {
-    let scene::Shape::TriangleMesh(mesh) = shape else {
+pub(super) fn facing(shape: &scene::Enclosure) -> Facing {
+    let scene::Enclosure::TriangleMesh(mesh) = shape else {
         return Facing::Outwards;
     };
     let vertex = |i: u32| mesh.positions.get(i as usize).copied().unwrap_or_default();
@@ -149,10 +149,10 @@ impl Boundaries {
         let mut surfaces = Vec::new();
         for (index, (boundary, _)) in boundaries.iter().enumerate() {
             match &boundary.shape {
-                scene::Shape::Sphere(sphere) => {
+                scene::Enclosure::Sphere(sphere) => {
                     surfaces.push((Surface::Sphere(unit_sphere(sphere, origin)), index));
                 }
-                scene::Shape::TriangleMesh(mesh) => {
+                scene::Enclosure::TriangleMesh(mesh) => {
                     let vertex = |i: u32| mesh.positions.get(i as usize).map(|p| *p - origin);
                     let inwards = facing(&boundary.shape) == Facing::Inwards;
                     let triangles = mesh.indices.iter().filter_map(|&[a, b, c]| {

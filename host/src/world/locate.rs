@@ -6,7 +6,7 @@ use woodcock_core::path::Convex;
 use super::boundaries::{self, Facing};
 use super::shape::{self, Region};
 use super::{Assembled, Boundaries, Feature, Location, Needs, Sides};
-use crate::scene::{Boundary, Place, Scene, SceneError, Shape, Warning};
+use crate::scene::{Boundary, Enclosure, Place, Scene, SceneError, Warning};
 
 /// Finds the simplest description of where media lie.
 pub(super) fn locate(
@@ -172,7 +172,7 @@ fn overlaps(
     }
     let boxed = |boundary: &Boundary| -> (DVec3, DVec3) {
         let points: Vec<DVec3> = match &boundary.shape {
-            Shape::Sphere(sphere) => {
+            Enclosure::Sphere(sphere) => {
                 let m = DAffine3::from_translation(-origin) * sphere.object_to_world;
                 let corner = |i: usize| {
                     let sign = |bit: usize| {
@@ -186,7 +186,7 @@ fn overlaps(
                 };
                 (0..8).map(corner).collect()
             }
-            Shape::TriangleMesh(mesh) => mesh.positions.iter().map(|p| *p - origin).collect(),
+            Enclosure::TriangleMesh(mesh) => mesh.positions.iter().map(|p| *p - origin).collect(),
         };
         let low = points.iter().copied().fold(DVec3::INFINITY, DVec3::min);
         let high = points.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);

@@ -102,6 +102,7 @@ pub(super) fn assemble(
         Phase::Isotropic => (0.0, false),
         Phase::HenyeyGreenstein { g } => (g as f32, false),
         Phase::Rayleigh => (0.0, true),
+        Phase::Draine { .. } | Phase::TwoLobe { .. } | Phase::Droplets { .. } => (0.0, false),
     };
     if g.abs() >= 1.0 {
         let message = format!("mean cosine {g} rounds to one: scattering would be no scattering");
@@ -123,6 +124,13 @@ pub(super) fn assemble(
             }));
         }
         MediumKind::UniformGrid(grid) => uniform(grid, limits),
+        MediumKind::RgbGrid(_)
+        | MediumKind::Cloud(_)
+        | MediumKind::NanoVdb(_)
+        | MediumKind::Vol(_) => {
+            let message = "this kind of medium is not yet supported";
+            return Err(SceneError::at(&medium.place, message));
+        }
         MediumKind::OpenVdb(vdb) => {
             let mut read = || -> Result<_, String> {
                 let bytes = files

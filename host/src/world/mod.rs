@@ -21,7 +21,7 @@ use woodcock_core::path::{Convex, RECORD_WORDS};
 
 use crate::film::Window;
 use crate::scene::{
-    Files, Light, MediumId, MediumKind, Projection, Scene, SceneError, Shape, Warning,
+    Enclosure, Files, Light, MediumId, MediumKind, Projection, Scene, SceneError, Warning,
 };
 use crate::volume::Limits;
 use locate::locate;
@@ -129,7 +129,7 @@ fn diameter(scene: &Scene) -> f64 {
     };
     for boundary in &scene.boundaries {
         match &boundary.shape {
-            Shape::Sphere(sphere) => {
+            Enclosure::Sphere(sphere) => {
                 let map = &sphere.object_to_world;
                 for axis in 0..3 {
                     let reach = map.matrix3.col(axis) * sphere.radius * 3.0_f64.sqrt();
@@ -137,7 +137,7 @@ fn diameter(scene: &Scene) -> f64 {
                     add(map.translation - reach);
                 }
             }
-            Shape::TriangleMesh(mesh) => mesh.positions.iter().copied().for_each(&mut add),
+            Enclosure::TriangleMesh(mesh) => mesh.positions.iter().copied().for_each(&mut add),
         }
     }
     if low.is_finite() {
@@ -321,8 +321,8 @@ fn local_origin(scene: &Scene) -> DVec3 {
     };
     for boundary in &scene.boundaries {
         match &boundary.shape {
-            Shape::Sphere(sphere) => add(sphere.object_to_world.translation),
-            Shape::TriangleMesh(mesh) => mesh.positions.iter().copied().for_each(&mut add),
+            Enclosure::Sphere(sphere) => add(sphere.object_to_world.translation),
+            Enclosure::TriangleMesh(mesh) => mesh.positions.iter().copied().for_each(&mut add),
         }
     }
     if low.is_finite() {
@@ -425,6 +425,8 @@ fn lights(scene: &Scene) -> Result<(Vec<Distant>, [f32; 3]), SceneError> {
                     return Err(SceneError::at(&light.place, message));
                 }
             }
+            // These are the scalar integrators' own.
+            Light::Image(_) | Light::Point(_) | Light::Spot(_) | Light::Goniometric(_) => {}
         }
     }
     distant.retain(|light| light.radiance() != [0.0; 3]);

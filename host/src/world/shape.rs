@@ -5,7 +5,7 @@ use woodcock_core::path::Convex;
 
 use super::boundaries::unit_sphere;
 use super::medium::{Support, rows};
-use crate::scene::{Boundary, Shape, TriangleMesh};
+use crate::scene::{Boundary, Enclosure, TriangleMesh};
 
 /// A convex region, with its inside known.
 #[derive(Clone, Copy, Debug)]
@@ -20,8 +20,8 @@ impl Region {
     /// The region of a boundary whose surface encloses it with its normals outwards, if it is that simple.
     pub(super) fn of(boundary: &Boundary, origin: DVec3) -> Option<Self> {
         match &boundary.shape {
-            Shape::Sphere(sphere) => Some(Self::Sphere(unit_sphere(sphere, origin))),
-            Shape::TriangleMesh(mesh) => Some(Self::Cube(unit_cube(mesh, origin)?)),
+            Enclosure::Sphere(sphere) => Some(Self::Sphere(unit_sphere(sphere, origin))),
+            Enclosure::TriangleMesh(mesh) => Some(Self::Cube(unit_cube(mesh, origin)?)),
         }
     }
 

@@ -88,6 +88,7 @@ impl Reader<'_> {
         self.not_moving(&at.place)?;
         let [medium_to_world, _] = affine(&self.state.transforms[0], &at.place)?;
         Ok(Some(NamedMedium {
+            emission: None,
             name: name.to_owned(),
             kind,
             sigma_a,

@@ -253,7 +253,6 @@ impl<'a> Reader<'a> {
 
 impl Scene {
     fn each_place(&mut self, mut change: impl FnMut(&mut Place)) {
-        use super::super::Light;
         self.film.place.iter_mut().for_each(&mut change);
         self.camera.place.iter_mut().for_each(&mut change);
         self.media.iter_mut().for_each(|m| change(&mut m.place));
@@ -261,10 +260,7 @@ impl Scene {
             .iter_mut()
             .for_each(|b| change(&mut b.place));
         for light in &mut self.lights {
-            match light {
-                Light::Distant(light) => change(&mut light.place),
-                Light::Constant(light) => change(&mut light.place),
-            }
+            change(light.place_mut());
         }
     }
 }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::super::boundary::{Shape, Sphere, TriangleMesh};
+use super::super::boundary::{Enclosure, Sphere, TriangleMesh};
 use super::super::{Place, SceneError, ply};
 use super::directive::At;
 use super::param::{Param, Type, Values};
@@ -88,7 +88,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    fn sphere(&mut self, at: &At, params: &Params) -> Result<Option<Shape>, SceneError> {
+    fn sphere(&mut self, at: &At, params: &Params) -> Result<Option<Enclosure>, SceneError> {
         let radius = params
             .float("radius", "positive", |v| v > 0.0)?
             .unwrap_or(1.0);
@@ -108,13 +108,13 @@ impl Reader<'_> {
         self.opaque(params)?;
         params.finish(&mut self.diagnostics)?;
         let [object_to_world, _] = affine(&self.state.transforms[0], &at.place)?;
-        Ok(Some(Shape::Sphere(Sphere {
+        Ok(Some(Enclosure::Sphere(Sphere {
             radius,
             object_to_world,
         })))
     }
 
-    fn triangle_mesh(&mut self, at: &At, params: &Params) -> Result<Option<Shape>, SceneError> {
+    fn triangle_mesh(&mut self, at: &At, params: &Params) -> Result<Option<Enclosure>, SceneError> {
         let Some((coordinates, points)) = params.list("P", Type::Point3)? else {
             let message = "this trianglemesh has no \"point3 P\"";
             return Err(SceneError::at(params.place(), message));
@@ -146,7 +146,7 @@ impl Reader<'_> {
         self.mesh(at, positions, indices, normals).map(Some)
     }
 
-    fn ply_mesh(&mut self, at: &At, params: &Params) -> Result<Option<Shape>, SceneError> {
+    fn ply_mesh(&mut self, at: &At, params: &Params) -> Result<Option<Enclosure>, SceneError> {
         let Some(filename) = params.string("filename")?.cloned() else {
             let message = "this plymesh has no \"string filename\"";
             return Err(SceneError::at(params.place(), message));
@@ -190,7 +190,7 @@ impl Reader<'_> {
         mut positions: Vec<DVec3>,
         mut indices: Vec<[u32; 3]>,
         normals: Option<Vec<DVec3>>,
-    ) -> Result<Shape, SceneError> {
+    ) -> Result<Enclosure, SceneError> {
         let [to_world, _] = affine(&self.state.transforms[0], &at.place)?;
         if let Some(normals) = normals {
             for triangle in &mut indices {
@@ -212,7 +212,11 @@ impl Reader<'_> {
         if to_world.matrix3.determinant() < 0.0 {
             indices.iter_mut().for_each(|triangle| triangle.swap(1, 2));
         }
-        Ok(Shape::TriangleMesh(TriangleMesh { positions, indices }))
+        Ok(Enclosure::TriangleMesh(Arc::new(TriangleMesh {
+            positions,
+            indices,
+            ..TriangleMesh::default()
+        })))
     }
 
     pub(super) fn material(&mut self, at: &At) -> Result<(), SceneError> {

@@ -4,8 +4,8 @@ use std::collections::HashMap;
 
 use super::super::film::{Film, PixelBounds};
 use super::super::{
-    Boundary, Camera, Integrator, Light, MediumId, NamedMedium, Place, Projection, Scene,
-    SceneError, ScreenWindow, Shape,
+    Boundary, Camera, Enclosure, Integrator, Light, MediumId, NamedMedium, Place, Projection,
+    Scene, SceneError, ScreenWindow,
 };
 use super::camera::CameraDraft;
 use super::diagnostics::Diagnostics;
@@ -15,7 +15,7 @@ use super::suggest::nearest;
 /// A shape whose medium and material names are not yet looked up.
 #[derive(Debug)]
 pub(super) struct ShapeDraft {
-    pub(super) shape: Shape,
+    pub(super) shape: Enclosure,
     pub(super) reverse_orientation: bool,
     pub(super) inside: MediumName,
     pub(super) outside: MediumName,
@@ -111,6 +111,10 @@ impl World {
             media: self.media,
             camera_medium,
             boundaries,
+            surfaces: Vec::new(),
+            materials: Vec::new(),
+            objects: Vec::new(),
+            instances: Vec::new(),
             lights: self.lights,
             warnings: Vec::new(),
             source_hash: 0,

@@ -1,0 +1,1 @@
+//! Integrators against each other, against closed forms and tables.

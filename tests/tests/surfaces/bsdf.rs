@@ -1,0 +1,1 @@
+//! Materials against closed forms, quadrature and published Fresnel values.

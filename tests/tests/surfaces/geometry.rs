@@ -1,0 +1,1 @@
+//! Where rays meet surfaces, and how points on them are sampled.

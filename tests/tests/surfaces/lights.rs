@@ -1,0 +1,1 @@
+//! Which light is sampled, how, and how often.
