@@ -11,7 +11,10 @@ mod shape;
 mod work;
 
 pub use boundaries::{Boundaries, Sides};
-pub use medium::{Medium, Support, Tables};
+pub use medium::{
+    Beyond, CloudDensity, CloudField, Details, Emission, EmissiveVoxel, Field, Local, Medium,
+    PhaseFunction, Support, Tables,
+};
 pub use needs::{Decision, Feature, Need, Needs};
 pub use work::LIMIT as COLLISION_LIMIT;
 
@@ -35,6 +38,7 @@ use crate::scene::{
 };
 use crate::volume::Limits;
 use locate::locate;
+use medium::Surroundings;
 
 /// Where media lie.
 #[derive(Debug)]
@@ -408,6 +412,12 @@ fn assemble_media(
                 .iter()
                 .any(|b| b.inside == id || b.outside == id)
     };
+    let around = Surroundings {
+        origin,
+        exposure: scene.film.imaging_ratio,
+        files,
+        limits: &options.limits,
+    };
     let mut assembled = Assembled {
         media: Vec::new(),
         index: Vec::new(),
@@ -415,14 +425,7 @@ fn assemble_media(
     };
     for (id, description) in scene.media.iter().enumerate() {
         let seen = if used(id) {
-            medium::assemble(
-                description,
-                origin,
-                files,
-                &options.limits,
-                &mut assembled.tables,
-                warnings,
-            )?
+            medium::assemble(description, &around, &mut assembled.tables, warnings)?
         } else {
             None
         };
