@@ -142,7 +142,54 @@ fn text(text: &str) -> Result<Text, ExrError> {
 ///
 /// Memory is checked against `max_memory` bytes before pixels are read. Errors: [`ExrError`]; the bytes may be anything.
 /// A data window that does not start at or after the display window's corner cannot be placed and is an error.
-pub fn read_image(mut from: impl Read + Seek, max_memory: u64) -> Result<Image, ExrError> {
+pub fn read_image(from: impl Read + Seek, max_memory: u64) -> Result<Image, ExrError> {
+    let part = read_part(from, max_memory)?;
+    let (resolution, window) = windows(part.display_window, part.data_window)?;
+    Ok(Image {
+        resolution,
+        window,
+        channels: part.channels,
+        attributes: part.attributes,
+    })
+}
+
+/// The only part of a file, wherever its windows lie.
+pub(super) struct Part {
+    /// The whole picture.
+    display_window: IntegerBounds,
+    /// What the channels fill.
+    data_window: IntegerBounds,
+    /// CIE xy of what R, G and B mean, if the file says so.
+    chromaticities: Option<Chromaticities>,
+    /// Sorted by name.
+    pub(super) channels: Vec<Channel>,
+    attributes: BTreeMap<String, AttributeValue>,
+}
+
+impl Part {
+    /// Width and height of the data window.
+    pub(super) fn size(&self) -> [usize; 2] {
+        let Vec2(width, height) = self.data_window.size;
+        [width, height]
+    }
+
+    /// Whether R, G and B are those of Rec. 709, as they are where a file is silent; to 0.005, which lets rounded
+    /// coordinates pass and no other standard.
+    pub(super) fn is_rec_709(&self) -> bool {
+        let near = |a: Vec2<f32>, b: Vec2<f32>| {
+            (a.x() - b.x()).abs() <= 0.005 && (a.y() - b.y()).abs() <= 0.005
+        };
+        self.chromaticities.is_none_or(|c| {
+            near(c.red, REC_709.red)
+                && near(c.green, REC_709.green)
+                && near(c.blue, REC_709.blue)
+                && near(c.white, REC_709.white)
+        })
+    }
+}
+
+/// Reads a flat file of one part; as [`read_image`] for everything but windows.
+pub(super) fn read_part(mut from: impl Read + Seek, max_memory: u64) -> Result<Part, ExrError> {
     let start = from.stream_position()?;
     let meta = MetaData::read_from_buffered(&mut from, false)?;
     let [header] = meta.headers.as_slice() else {
@@ -172,10 +219,9 @@ pub fn read_image(mut from: impl Read + Seek, max_memory: u64) -> Result<Image, 
             channel.name
         )));
     }
-    let (resolution, window) = windows(
-        header.shared_attributes.display_window,
-        header.data_window(),
-    )?;
+    let display_window = header.shared_attributes.display_window;
+    let chromaticities = header.shared_attributes.chromaticities;
+    let data_window = header.data_window();
     from.seek(SeekFrom::Start(start))?;
     let file = read()
         .no_deep_data()
@@ -204,9 +250,10 @@ pub fn read_image(mut from: impl Read + Seek, max_memory: u64) -> Result<Image, 
         };
         attributes.insert(name.to_string(), value);
     }
-    Ok(Image {
-        resolution,
-        window,
+    Ok(Part {
+        display_window,
+        data_window,
+        chromaticities,
         channels: channels.collect(),
         attributes,
     })
