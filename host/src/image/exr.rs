@@ -5,7 +5,7 @@
 //! Pixel bits depend on the image alone; the order of attributes in the file may differ between runs.
 
 use super::part::read_part;
-use super::{AttributeValue, Channel, Image};
+use super::{AttributeValue, Image};
 use crate::film::Window;
 use exr::meta::MetaData;
 use exr::meta::attribute::{AttributeValue as ExrValue, Chromaticities, SampleType};
@@ -193,6 +193,7 @@ pub fn sample_types(from: impl Read) -> Result<BTreeMap<String, &'static str>, E
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::image::Channel;
     use std::io::Cursor;
 
     fn image() -> Image {

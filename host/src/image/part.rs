@@ -120,7 +120,7 @@ fn decode_part(from: impl Read + Seek, max_memory: u64) -> Result<Part, ExrError
         attributes.insert(name.to_string(), value);
     }
     Ok(Part {
-        pub(super) display_window: header.shared_attributes.display_window,
+        display_window: header.shared_attributes.display_window,
         data_window: header.data_window(),
         chromaticities: header.shared_attributes.chromaticities,
         channels,
@@ -167,4 +167,3 @@ fn place_block(
     }
     Ok(columns * rows)
 }
-

@@ -85,8 +85,8 @@ fn read_exr(bytes: &[u8], encoding: Option<Encoding>, limits: &Limits) -> Result
     if !matches!(encoding, None | Some(Encoding::Linear)) {
         return Err("is an OpenEXR picture, which is linear; leave the encoding out".into());
     }
-    let part =
-        part::read_part(Cursor::new(bytes), limits.max_memory).map_err(|error| error.to_string())?;
+    let part = part::read_part(Cursor::new(bytes), limits.max_memory)
+        .map_err(|error| error.to_string())?;
     if !part.is_rec_709() {
         return Err("has other primaries than Rec. 709; convert it first".into());
     }

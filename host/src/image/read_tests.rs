@@ -39,11 +39,7 @@ fn png(color: ColorType, depth: BitDepth, data: &[u8], size: [u32; 2]) -> Vec<u8
 const WIDTH: usize = 13;
 const HEIGHT: usize = 37;
 
-fn exr_of(
-    channels: Vec<(&str, FlatSamples)>,
-    compression: Compression,
-    blocks: Blocks,
-) -> Vec<u8> {
+fn exr_of(channels: Vec<(&str, FlatSamples)>, compression: Compression, blocks: Blocks) -> Vec<u8> {
     let channels = channels
         .into_iter()
         .map(|(name, samples)| AnyChannel::new(name, samples));
