@@ -85,7 +85,7 @@ impl Assembly<'_> {
     fn picture(&self, filename: &Path, place: &Place) -> Result<SphericalPicture, SceneError> {
         let picture = read_picture(self.files, filename, None, self.limits);
         let picture = picture.and_then(SphericalPicture::new);
-        picture.map_err(|error| SceneError::at(place, format!("{}: {error}", filename.display())))
+        picture.map_err(|error| SceneError::at(place, format!("{} {error}", filename.display())))
     }
 
     fn image(&self, light: &ImageLight) -> Result<Painted, SceneError> {

@@ -101,8 +101,12 @@ fn cone_around(a: (DVec3, f64), b: (DVec3, f64)) -> (DVec3, f64) {
     if between + narrow.1 <= wide.1 {
         return wide;
     }
+    if sin <= SLACK && cos > 0.0 {
+        // The same axis, but for rounding.
+        return (wide.0, (between + narrow.1 + SLACK).min(PI));
+    }
     let spread = 0.5 * (between + wide.1 + narrow.1) + SLACK;
-    if spread >= PI || sin == 0.0 {
+    if spread >= PI || sin <= SLACK {
         return (wide.0, PI);
     }
     let (s, c) = libm::sincos(spread - wide.1);
