@@ -33,6 +33,8 @@ pub struct Plan {
     pub kernel: Kernel,
     /// Which paths are traced.
     pub integrator: Integrator,
+    /// Bound on 1/r² of connections between subpaths, for the bidirectional integrators [1/length²].
+    pub connection_bound: Option<f64>,
     /// Seed of all random numbers.
     pub seed: u64,
     /// Shadow rays and depth.
@@ -67,6 +69,7 @@ impl Plan {
         Self {
             kernel,
             integrator,
+            connection_bound: None,
             seed,
             settings: Settings { max_depth, shadow },
         }
@@ -260,7 +263,10 @@ impl Job for Pass<'_> {
 }
 
 /// Works on all tiles of a film, on as many threads as there are, and adds up what was counted.
-pub(crate) fn over_tiles(film: &mut Film, tile: impl Fn(&mut Tile) -> Counts + Sync) -> Counts {
+pub(crate) fn over_tiles(
+    film: &mut Film,
+    tile: impl Fn(&mut Tile) -> Counts + Send + Sync,
+) -> Counts {
     let sum = |mut a: Counts, b: Counts| {
         a.add(&b);
         a

@@ -3,7 +3,7 @@
 //! A ladder, each rung a test of the next: [`transmittance`] (light that arrives unscattered), [`single`](path)
 //! (scattered at most once), [`path`], and beside it [`bdpt`] and [`mlt`], which make the same image in other ways.
 
-mod bdpt;
+pub(crate) mod bdpt;
 pub(crate) mod camera;
 mod draws;
 pub(crate) mod glow;
@@ -24,7 +24,7 @@ pub(crate) use score::{Matter, Sample, Score};
 pub(crate) use walk::{Stretch, Tentative};
 
 /// What does not differ between paths.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Settings {
     /// Scatterings after which a path is cut off; `u32::MAX` is no limit.
     pub(crate) max_depth: u32,

@@ -106,7 +106,7 @@ fn glowing<D: Draws>(
         return None;
     }
     let scattered = site.eval(world, from, direction, Transport::Radiance);
-    let radiance = scattered * DVec3::from(spot.local.emission) * world.exposure;
+    let radiance = scattered * DVec3::from(spot.local.emission);
     if radiance.max_element() <= 0.0 {
         return None;
     }

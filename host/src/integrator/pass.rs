@@ -44,6 +44,14 @@ impl Integrator {
     }
 }
 
+/// What a plan says to scalar integrators.
+pub(super) fn settings(plan: &Plan) -> Settings {
+    Settings {
+        max_depth: plan.settings.max_depth,
+        connection_bound: plan.connection_bound,
+    }
+}
+
 /// One sample of a pixel.
 pub(crate) fn sample<D: Draws>(
     tracer: &mut Tracer<'_>,
@@ -52,12 +60,10 @@ pub(crate) fn sample<D: Draws>(
     draws: &mut D,
 ) -> Sample {
     let film = [f64::from(x) + draws.one(), f64::from(y) + draws.one()];
-    let max_depth = plan.settings.max_depth;
+    let settings = settings(plan);
     match plan.integrator {
         Integrator::Transmittance => transmittance::trace(tracer, film, draws),
-        Integrator::Single | Integrator::Path => {
-            path::trace(tracer, &Settings { max_depth }, film, draws)
-        }
+        Integrator::Single | Integrator::Path => path::trace(tracer, &settings, film, draws),
     }
 }
 

@@ -77,7 +77,7 @@ impl Witness for Scoring<'_> {
             }
             _ => 1.0,
         };
-        let radiance = throughput * source * (world.exposure * share / tentative.majorant);
+        let radiance = throughput * source * (share / tentative.majorant);
         self.score.add(radiance, Matter::Medium);
     }
 
@@ -89,16 +89,13 @@ impl Witness for Scoring<'_> {
 
 /// Radiance of a surface that a ray found, times its share.
 pub(super) fn found(world: &World, last: &Last, ray: &Ray, hit: &Hit) -> DVec3 {
-    let Some(emitter) = hit.emitter else {
-        return DVec3::ZERO;
-    };
-    let (radiance, two_sided) = world.surfaces.emission(emitter);
-    if !two_sided && hit.anchor.normal.dot(ray.direction) >= 0.0 {
-        return DVec3::ZERO;
-    }
     let lighting = &world.lighting;
+    let radiance = DVec3::from(lighting.hit_radiance(hit, ray.direction));
+    if radiance == DVec3::ZERO || last.pdf == f64::INFINITY {
+        return radiance;
+    }
     let competing = lighting.hit_pdf(&world.surfaces, last.point, last.normal, hit);
-    DVec3::from(radiance) * world.exposure * last.share(competing * (1.0 - world.glow_choice()))
+    radiance * last.share(competing * (1.0 - world.glow_choice()))
 }
 
 /// Radiance that arrives from far away along a ray, times its share.

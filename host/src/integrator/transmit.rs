@@ -74,7 +74,7 @@ impl Passage {
 
 /// Whether a medium's transmittance has a closed form.
 fn is_closed(world: &World, medium: usize) -> bool {
-    world.media.get(medium).is_some_and(|m| m.is_homogeneous())
+    world.media.get(medium).is_some_and(|m| m.support.is_none())
 }
 
 /// Extinction of a homogeneous medium by colour.

@@ -57,7 +57,7 @@ fn passed<D: Draws>(tracer: &mut Tracer<'_>, ray: &Ray, t: f64, draws: &mut D) -
 fn pass<D: Draws>(tracer: &mut Tracer<'_>, ray: &Ray, t_max: f64, draws: &mut D) -> (DVec3, DVec3) {
     let world = tracer.world;
     let stretches = tracer.stretches(ray, t_max);
-    let shines = |medium: usize| world.media.get(medium).is_some_and(|m| m.shines());
+    let shines = |medium: usize| world.media.get(medium).is_some_and(|m| m.is_emissive());
     if !stretches.iter().any(|stretch| shines(stretch.2)) {
         return (passed(tracer, ray, t_max, draws), DVec3::ZERO);
     }
@@ -70,7 +70,7 @@ fn pass<D: Draws>(tracer: &mut Tracer<'_>, ray: &Ray, t_max: f64, draws: &mut D)
         draws,
         &mut tracer.counts,
         |_, tentative| {
-            let source = DVec3::from(tentative.local.emission) * world.exposure;
+            let source = DVec3::from(tentative.local.emission);
             radiance += weight * source / tentative.majorant;
             weight *= DVec3::ONE - DVec3::from(tentative.local.sigma_t) / tentative.majorant;
             if weight == DVec3::ZERO {

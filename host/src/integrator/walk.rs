@@ -12,15 +12,13 @@
 
 use glam::DVec3;
 use woodcock_core::majorant::{GridWalk, Tracker};
-use woodcock_core::medium::Medium as _;
 use woodcock_core::path::{Counts, OneGrid, OneHomogeneous, RecordKind};
 use woodcock_core::ray::Ray as CoreRay;
-use woodcock_core::stream::Stream;
 use woodcock_core::vec3::Vec3;
 
 use super::Draws;
 use crate::ray::Ray;
-use crate::world::{CloudField, CloudWalk, Local, Medium, World};
+use crate::world::{CloudField, Local, World};
 
 /// A part of a ray within one medium: from, to \[length\], which.
 pub(crate) type Stretch = (f64, f64, usize);
@@ -56,7 +54,7 @@ pub(crate) enum Next {
 enum Runner<'a> {
     Homogeneous(OneHomogeneous, Tracker<f32, ()>),
     Grid(OneGrid<'a>, Tracker<f32, GridWalk<f32>>),
-    Cloud(&'a CloudField, Tracker<f32, CloudWalk>),
+    Cloud(CloudField<'a>, Tracker<f32, GridWalk<f32>>),
 }
 
 /// A process under way, and its next tentative collision.
@@ -116,7 +114,7 @@ impl<'a> Running<'a> {
         };
         let length = (to - from) as f32;
         let tables = &world.tables;
-        let runner = match (description.cloud(), &description.record.kind) {
+        let runner = match (description.cloud_field(tables), &description.record.kind) {
             (Some(cloud), _) => begin(cloud, &local, length, draws, Runner::Cloud),
             (None, RecordKind::Homogeneous) => {
                 let medium = OneHomogeneous::new(&description.record);
@@ -141,7 +139,7 @@ impl<'a> Running<'a> {
         let (found, t) = match &mut self.runner {
             Runner::Homogeneous(medium, tracker) => (advance(medium, tracker, counts), tracker.t()),
             Runner::Grid(medium, tracker) => (advance(medium, tracker, counts), tracker.t()),
-            Runner::Cloud(medium, tracker) => (advance(*medium, tracker, counts), tracker.t()),
+            Runner::Cloud(medium, tracker) => (advance(medium, tracker, counts), tracker.t()),
         };
         self.next = self.from + f64::from(t);
         found
@@ -155,7 +153,7 @@ impl<'a> Running<'a> {
         draws: &mut impl Draws,
         counts: &mut Counts,
     ) -> Tentative {
-        let description: &Medium = &world.media[self.medium];
+        let description = &world.media[self.medium];
         let place = ray.at(self.next);
         let (majorant, tap) = match &self.runner {
             Runner::Homogeneous(medium, tracker) => (tracker.majorant(medium), None),
@@ -166,7 +164,7 @@ impl<'a> Running<'a> {
             }
             Runner::Cloud(medium, tracker) => {
                 counts.lookups += 1;
-                (tracker.majorant(*medium), None)
+                (tracker.majorant(medium), None)
             }
         };
         let local = description.local(&world.tables, tap, place);

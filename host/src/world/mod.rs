@@ -86,8 +86,6 @@ pub struct World {
     pub lighting: Lighting,
     /// Media that shine, as lights.
     pub(crate) glow: Option<Glow>,
-    /// The film's factor on every pixel, for light that is not among `lighting`.
-    pub exposure: f64,
     /// What packets cannot do about the scene, if anything.
     scalar: Option<String>,
     /// The diameter of what bounds the media \[length\]; infinite where one fills space.
@@ -141,6 +139,17 @@ impl World {
             stretch.1 = stretch.1.min(t_max).min(f64::from(FAR));
         }
         found.retain(|stretch| stretch.0 < stretch.1);
+    }
+
+    /// Whether a place lies within a medium.
+    pub(crate) fn is_within(&self, medium: usize, place: DVec3) -> bool {
+        let mut found = Vec::new();
+        let ray = Ray {
+            origin: place,
+            direction: DVec3::X,
+        };
+        self.stretches(&ray, f64::INFINITY, &mut found);
+        found.iter().any(|s| s.2 == medium && s.0 <= 0.0)
     }
 
     /// The lights as kernels see them.
@@ -292,7 +301,6 @@ pub fn assemble(scene: &Scene, files: &dyn Files, options: &Options) -> Result<W
         materials,
         lighting,
         glow: None,
-        exposure: scene.film.imaging_ratio,
         scalar,
     })
 }

@@ -214,7 +214,7 @@ fn depart<D: Draws>(
         let end = LightEnd::glow(world, spot.place, spot.pdf, spot.majorant);
         let own = spot.pdf * of_glow;
         let [u, turn] = draws.two();
-        let source = DVec3::from(spot.local.emission) * world.exposure;
+        let source = DVec3::from(spot.local.emission);
         let start = Start {
             ray: end.anchor.ray(deflected(DVec3::Z, 1.0 - 2.0 * u, turn)),
             throughput: source / (own * INV_4PI),
@@ -323,7 +323,7 @@ impl Witness for Passing<'_, '_> {
         } else {
             1.0
         };
-        let radiance = throughput * source * (world.exposure * weight / tentative.majorant);
+        let radiance = throughput * source * (weight / tentative.majorant);
         let scatterings = self.eye.len() as u32 - 1;
         self.found
             .score
@@ -343,7 +343,7 @@ impl Found<'_> {
             return;
         };
         let world = self.world;
-        let radiance = shining(world, emitter, hit, light.from);
+        let radiance = DVec3::from(world.lighting.hit_radiance(hit, -light.from));
         if radiance == DVec3::ZERO {
             return;
         }
@@ -419,16 +419,6 @@ impl Growth for Found<'_> {
             self.score
                 .add_scattered(radiance, Matter::Nothing, scatterings);
         }
-    }
-}
-
-/// Radiance of an emitter towards `direction`, away from it.
-fn shining(world: &World, emitter: u32, hit: &Hit, direction: DVec3) -> DVec3 {
-    let (radiance, two_sided) = world.surfaces.emission(emitter);
-    if two_sided || hit.anchor.normal.dot(direction) > 0.0 {
-        DVec3::from(radiance) * world.exposure
-    } else {
-        DVec3::ZERO
     }
 }
 
