@@ -22,5 +22,6 @@ pub mod render;
 pub mod report;
 pub mod scene;
 pub mod surface;
+pub mod texture;
 pub mod volume;
 pub mod world;
