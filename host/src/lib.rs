@@ -15,6 +15,7 @@ pub mod image;
 pub mod info;
 pub mod integrator;
 pub mod light;
+mod line;
 pub mod output;
 pub mod ray;
 pub mod render;
