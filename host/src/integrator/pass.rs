@@ -68,6 +68,10 @@ pub(crate) fn sample<D: Draws>(
     let settings = settings(plan);
     match plan.integrator {
         Integrator::Transmittance => transmittance::trace(tracer, film, draws),
+        Integrator::Bdpt => {
+            let mut room = Workspace::default();
+            bdpt::trace(tracer, &settings, film, draws, &mut room, &mut Vec::new())
+        }
         Integrator::Single | Integrator::Path => path::trace(tracer, &settings, film, draws),
     }
 }
