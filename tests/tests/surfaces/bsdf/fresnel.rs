@@ -1,6 +1,7 @@
 //! Fresnel's laws against tables that were computed elsewhere, alone and through materials.
 
 use super::subject::{at, dielectric, direction, metal};
+use glam::DVec3;
 use woodcock_host::bsdf::{Transport, fresnel};
 use woodcock_host::scene::MaterialKind;
 use woodcock_tests::refs::quadrature::{close, integrate};
@@ -61,7 +62,10 @@ fn metals_reflect_what_tables_say() {
         for i in 0..=100 {
             let c = f64::from(i) / 100.0;
             let (a, b) = (fresnel::conductor(c, eta, 0.0), fresnel::dielectric(c, eta));
-            close("a metal without absorption", a, b, 1e-12);
+            // At the critical angle both are roots of rounding errors.
+            let critical = (1.0 - c * c - eta * eta).abs() < 1e-9;
+            let tolerance = if critical { 1e-6 } else { 1e-12 };
+            close("a metal without absorption", a, b, tolerance);
         }
     }
 }
@@ -149,5 +153,3 @@ fn smooth_boundaries_obey_snell_and_fresnel() {
         }
     }
 }
-
-use glam::DVec3;

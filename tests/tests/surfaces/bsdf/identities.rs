@@ -86,13 +86,7 @@ fn reciprocity(subject: &dyn Scatter, eta: f64, pairs: &[[DVec3; 2]]) -> f64 {
     let index = |w: DVec3| if w.z > 0.0 { 1.0 } else { eta };
     let f =
         |o: DVec3, i: DVec3| subject.eval(o, i, Transport::Radiance) / i.z.abs() / index(o).powi(2);
-    worst(pairs, |a, b| {
-        if a.z * b.z > 0.0 {
-            (f(a, b), f(b, a))
-        } else {
-            (f(a, b), f(b, a))
-        }
-    })
+    worst(pairs, |a, b| (f(a, b), f(b, a)))
 }
 
 #[test]
