@@ -137,7 +137,7 @@ impl Dielectric {
         } else {
             (refract(v, m, cosine, eta)?, squeeze(eta, transport))
         };
-        let direction = frame.from_local(normal, w);
+        let direction = frame.to_world(normal, w);
         let pair = Pair::new(frame, from, direction)?;
         let pdf = match (pair.passage, w.dot(m) > 0.0) {
             (Passage::Reflection, true) => self.reflected_pdf(v, m, cosine, eta),
@@ -200,7 +200,7 @@ impl Conductor {
         let (normal, _) = frame.facing(from)?;
         let v = frame.to_local(normal, from);
         let m = self.ggx.sample(v, u);
-        let direction = frame.from_local(normal, reflect(v, m));
+        let direction = frame.to_world(normal, reflect(v, m));
         let pair = Pair::new(frame, from, direction)?;
         pair.mirror()?;
         let weight =
