@@ -3,7 +3,10 @@
 use super::*;
 use woodcock_tests::stats::{Mutants, Sample, Verdict, samples, seed, welch};
 
-const N: usize = 1 << 17;
+const N: usize = 1 << 18;
+
+/// Of the difference, relative to the flux.
+const RESOLUTION: f64 = 0.02;
 
 /// A disk that receives light on the side of its normal.
 pub(super) struct Receiver {
@@ -60,7 +63,7 @@ pub(super) fn both_ways(setting: &Setting, receiver: &Receiver, base: u64, n: us
     let wait = Sample::collect(samples(n), |_| receiver.wait(&lights, &surfaces, &mut rng));
     let (a, b) = (look.moments(), wait.moments());
     assert!(a.mean() > 0.0 && b.mean() > 0.0, "no light arrives");
-    welch(a, b).verdict(0.04)
+    welch(a, b).verdict(RESOLUTION * a.mean())
 }
 
 const RECEIVER: Receiver = Receiver {
@@ -109,12 +112,13 @@ fn all_lights_together_land_where_they_are_looked_for() {
     let (lights, surfaces) = (setting.lights(), setting.surfaces());
     let mut rng = SplitMix::new(seed(0x5422));
     let look = Sample::collect(samples(N), |_| RECEIVER.look(&lights, &surfaces, &mut rng));
+    let least = RESOLUTION * look.moments().mean();
     let smaller = Receiver {
         radius: 0.85 * RECEIVER.radius,
         ..RECEIVER
     };
     let wait = Sample::collect(samples(N), |_| smaller.wait(&lights, &surfaces, &mut rng));
-    let verdict = welch(look.moments(), wait.moments()).verdict(0.04);
+    let verdict = welch(look.moments(), wait.moments()).verdict(least);
     suite.trial("flux", "a smaller disk", verdict);
     let behind = Receiver {
         normal: -RECEIVER.normal,
@@ -123,7 +127,7 @@ fn all_lights_together_land_where_they_are_looked_for() {
     let wait = Sample::collect(samples(N), |_| {
         RECEIVER.wait(&lights, &surfaces, &mut rng) + behind.wait(&lights, &surfaces, &mut rng)
     });
-    let verdict = welch(look.moments(), wait.moments()).verdict(0.04);
+    let verdict = welch(look.moments(), wait.moments()).verdict(least);
     suite.trial("flux", "the dark side too", verdict);
     suite.finish();
 }

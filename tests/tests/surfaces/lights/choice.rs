@@ -212,7 +212,7 @@ fn a_thousand_lights_sum_to_their_irradiance() {
                     if e > best.1 { (i, e) } else { best }
                 },
             );
-        let mut run = |mutate: &dyn Fn(&LightSample) -> f64, seed_of: u64| {
+        let run = |mutate: &dyn Fn(&LightSample) -> f64, seed_of: u64| {
             let mut rng = SplitMix::new(seed(seed_of));
             let sample = Sample::collect(n, |_| {
                 let sample = lights.sample(&surfaces, from, normal, uniforms(&mut rng));
@@ -227,7 +227,10 @@ fn a_thousand_lights_sum_to_their_irradiance() {
         let without = |s: &LightSample| f64::from(s.light as usize != left_out);
         suite.trial("irradiance", "one light left out", run(&without, 0x5224));
         let beside = from + DVec3::new(0.0, 0.5, 0.0);
-        let neighbour = |s: &LightSample| s.choice / lights.choice(s.light, beside, normal);
+        let neighbour = |s: &LightSample| match lights.choice(s.light, beside, normal) {
+            0.0 => 0.0,
+            choice => s.choice / choice,
+        };
         suite.trial(
             "irradiance",
             "choice at a neighbour",

@@ -68,7 +68,7 @@ fn all_lights_together_send_the_sum() {
         "departures",
         &["even choice", "half a light", "a disk of half the radius"],
     );
-    let mut run = |mutate: &dyn Fn(&Departure) -> f64, seed_of: u64| {
+    let run = |mutate: &dyn Fn(&Departure) -> f64, seed_of: u64| {
         let mut rng = SplitMix::new(seed(seed_of));
         let sample = Sample::collect(samples(N), |_| {
             let departure = lights.emit(&surfaces, uniforms(&mut rng));
