@@ -219,9 +219,9 @@ impl<R: Real> GridWalk<R> {
         self.majorant = R::select(active, majorant, self.majorant);
     }
 
-    /// The place at distance `t`, kept within the present block and the domain.
+    /// The place at distance `t` in grid space, kept within the present block and the domain.
     #[inline(always)]
-    pub(crate) fn place(&self, t: R) -> Vec3<R> {
+    pub fn place(&self, t: R) -> Vec3<R> {
         let p = self.origin + self.direction * t;
         let edge = R::splat(BLOCK as f32);
         let clamp = |p: R, low: R, last: R| p.max(low).min((low + edge).min(last)).max(R::zero());
@@ -234,11 +234,21 @@ impl<R: Real> GridWalk<R> {
 
     /// One-tap stochastic trilinear look-up of the extinction at distance `t` [1/length].
     ///
-    /// Picks one of the eight samples around the place with its trilinear weight, so the expectation
-    /// is the interpolant, and an analog decision that compares it with a uniform number has exactly
-    /// the same probability. Two draws: 21, 21 and 22 bits for the three axes.
+    /// The sample that [`tap`](Self::tap) picks, so the expectation is the interpolant, and an analog
+    /// decision that compares it with a uniform number has exactly the same probability.
     #[inline(always)]
     pub fn sigma_t(&self, samples: &[f32], t: R, rng: &mut impl Stream<R>, active: R::Mask) -> R {
+        R::gather(samples, self.tap(t, rng, active)) * self.layout.scale
+    }
+
+    /// The index of one of the eight samples around the place at distance `t`, picked with its
+    /// trilinear weight.
+    ///
+    /// Whatever else is known of that sample (albedo, colour) may be read at the same index: linear
+    /// combinations of such values have the interpolants as their expectations. Two draws: 21, 21 and
+    /// 22 bits for the three axes.
+    #[inline(always)]
+    pub fn tap(&self, t: R, rng: &mut impl Stream<R>, active: R::Mask) -> R::Word {
         let place = self.place(t);
         let (a, b) = (rng.next_word(active), rng.next_word(active));
         let low_bits = R::Word::splat(0x7ff);
@@ -253,9 +263,7 @@ impl<R: Real> GridWalk<R> {
         let x = corner(place.x, a.shr(11), 2_097_152.0);
         let y = corner(place.y, b.shr(11), 2_097_152.0);
         let z = corner(place.z, c, 4_194_304.0);
-        let index =
-            self.layout.samples + x + y * self.layout.strides[0] + z * self.layout.strides[1];
-        R::gather(samples, index) * self.layout.scale
+        self.layout.samples + x + y * self.layout.strides[0] + z * self.layout.strides[1]
     }
 
     /// The full trilinear interpolant at distance `t` [1/length]: eight look-ups, no draws.

@@ -279,6 +279,27 @@ impl Lights {
         })
     }
 
+    /// Whether a light is a point or lies in one direction: nothing but sampling finds it.
+    pub fn is_delta(&self, light: u32) -> bool {
+        matches!(
+            self.sources.get(light as usize),
+            Some(
+                Source::Distant { .. }
+                    | Source::Point { .. }
+                    | Source::Spot { .. }
+                    | Source::Goniometric { .. }
+            )
+        )
+    }
+
+    /// Whether a light is infinitely far.
+    pub fn is_infinite(&self, light: u32) -> bool {
+        matches!(
+            self.sources.get(light as usize),
+            Some(Source::Distant { .. } | Source::Constant { .. } | Source::Image(_))
+        )
+    }
+
     /// Chooses a light by its power, a place and a direction for light to set out: for paths from lights.
     ///
     /// The first number chooses, the next two are for the place, the others for the direction. Radiance times cosine

@@ -94,18 +94,42 @@ pub(super) fn light(spectrum: &Piecewise<'_>) -> Option<[f64; 3]> {
     normalised(xyz(|wavelength| spectrum.value(wavelength)))
 }
 
+/// Planck's law without its constant factor, of a wavelength \[nm\] and a temperature \[kelvin\].
+fn planck(wavelength: f64, temperature: f64) -> f64 {
+    // h c / k in nm K.
+    const SECOND_RADIATION: f64 = 1.438_776_877e7;
+    let micrometres = wavelength * 1e-3;
+    let exponent = SECOND_RADIATION / (wavelength * temperature);
+    1.0 / (micrometres * micrometres * micrometres * micrometres * micrometres)
+        / libm::expm1(exponent)
+}
+
 /// The colour of a black body at luminance 1. `None` when it is too cold to be seen.
 ///
 /// `temperature`: \[kelvin\], positive.
 pub(super) fn blackbody(temperature: f64) -> Option<[f64; 3]> {
-    // Planck's law without its constant factor; h c / k in nm K.
-    const SECOND_RADIATION: f64 = 1.438_776_877e7;
-    normalised(xyz(|wavelength| {
-        let micrometres = wavelength * 1e-3;
-        let exponent = SECOND_RADIATION / (wavelength * temperature);
-        1.0 / (micrometres * micrometres * micrometres * micrometres * micrometres)
-            / libm::expm1(exponent)
-    }))
+    normalised(xyz(|wavelength| planck(wavelength, temperature)))
+}
+
+/// The colour of a black body whose spectrum is one at its peak, as pbrt has it in media: linear Rec. 709, channels
+/// that would be negative being zero. The level is that of pbrt's sensor, which shows a spectrum of one everywhere at luminance 1.
+///
+/// `kelvin`: the temperature; what is not positive and finite, or too cold to be seen, is black.
+pub fn blackbody_peak_one(kelvin: f64) -> [f64; 3] {
+    // Wien's displacement, in nm K.
+    const DISPLACEMENT: f64 = 2.897_771_955e6;
+    if !(kelvin > 0.0 && kelvin.is_finite()) {
+        return [0.0; 3];
+    }
+    let peak = planck(DISPLACEMENT / kelvin, kelvin);
+    let sums = xyz(|wavelength| planck(wavelength, kelvin) / peak);
+    let [_, white, _] = xyz(|_| 1.0);
+    let colour = rgb(sums.map(|c| c / white));
+    if colour.iter().all(|c| c.is_finite()) {
+        colour.map(|c| c.max(0.0))
+    } else {
+        [0.0; 3]
+    }
 }
 
 fn normalised(xyz: [f64; 3]) -> Option<[f64; 3]> {
@@ -148,6 +172,35 @@ mod tests {
         let [r, g, b] = blackbody(2700.0).expect("visible");
         assert!(r > g && g > b);
         assert!(blackbody(1.0).is_none());
+    }
+
+    #[test]
+    fn black_bodies_at_their_peak() {
+        for kelvin in [800.0, 1500.0, 3000.0, 6504.0, 20_000.0] {
+            let colour = blackbody_peak_one(kelvin);
+            let peak = 2.897_771_955e6 / kelvin;
+            // The same law in another form: B(x) / B(x_peak), with x = h c / (wavelength k T).
+            let [x, y, z] = xyz(|wavelength| {
+                let ratio = peak / wavelength;
+                ratio.powi(5) * 4.965_114_231_744_276_f64.exp_m1()
+                    / (4.965_114_231_744_276 * ratio).exp_m1()
+            });
+            let white = xyz(|_| 1.0)[1];
+            for (c, row) in colour.iter().zip(XYZ_TO_RGB) {
+                let expected = (row[0] * x + row[1] * y + row[2] * z) / white;
+                let error = (c - expected.max(0.0)).abs();
+                assert!(error <= 1e-7 * y / white, "{kelvin}: {c} {expected}");
+            }
+            // Both scalings have the same hue.
+            let hue = blackbody(kelvin).expect("visible");
+            let luminance = y / white;
+            for (c, h) in colour.iter().zip(hue) {
+                assert!((c - h.max(0.0) * luminance).abs() <= 1e-7 * luminance);
+            }
+        }
+        for black in [0.0, -5.0, f64::NAN, f64::INFINITY, 1e-70, 1e300, 1.0] {
+            assert_eq!(blackbody_peak_one(black), [0.0; 3], "{black}");
+        }
     }
 
     #[test]

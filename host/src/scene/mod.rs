@@ -26,6 +26,7 @@ use std::path::Path;
 
 pub use boundary::{BilinearMesh, Boundary, Disk, Enclosure, Shape, Sphere, TriangleMesh};
 pub use camera::{Camera, Projection, ScreenWindow};
+pub use color::blackbody_peak_one;
 pub use error::{SceneError, Warning};
 pub use files::{DiskFiles, Files, MemoryFiles};
 pub use film::{Film, PixelBounds};

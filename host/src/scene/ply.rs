@@ -1,19 +1,23 @@
-//! PLY meshes: ascii and both binary orders; vertices with optional normals, faces as triangles or
-//! as polygons cut into fans. Everything else in the file is stepped over.
+//! PLY meshes: ascii and both binary orders; vertices with optional normals and (u, v), faces as triangles, as
+//! quadrilaterals, or as polygons cut into fans. Everything else in the file is stepped over.
 //!
 //! Source: G. Turk, "The PLY Polygon File Format", 1994. Nothing is allocated that the file's own
 //! length does not vouch for.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 /// A mesh as the file has it.
-#[derive(Debug, PartialEq)]
+#[derive(Debug, Default, PartialEq)]
 pub(super) struct PlyMesh {
     pub(super) positions: Vec<DVec3>,
-    /// One per vertex.
-    pub(super) normals: Option<Vec<DVec3>>,
+    /// One per vertex, or none at all.
+    pub(super) normals: Vec<DVec3>,
+    /// One per vertex, or none at all.
+    pub(super) uv: Vec<DVec2>,
     /// All within `positions`.
     pub(super) triangles: Vec<[u32; 3]>,
+    /// Faces of four corners, in their order around the face; all within `positions`.
+    pub(super) quads: Vec<[u32; 4]>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -76,11 +80,7 @@ pub(super) fn read(bytes: &[u8], max_memory: u64) -> Result<PlyMesh, String> {
         encoding,
         rest: body,
     };
-    let mut mesh = PlyMesh {
-        positions: Vec::new(),
-        normals: None,
-        triangles: Vec::new(),
-    };
+    let mut mesh = PlyMesh::default();
     let most = usize::try_from(max_memory / 12).unwrap_or(usize::MAX);
     let mut seen_vertices = false;
     for element in &elements {
@@ -96,7 +96,7 @@ pub(super) fn read(bytes: &[u8], max_memory: u64) -> Result<PlyMesh, String> {
                 vertices(element, &mut values, &mut mesh)?;
                 seen_vertices = true;
             }
-            "face" => faces(element, &mut values, &mut mesh.triangles, most)?,
+            "face" => faces(element, &mut values, &mut mesh, most)?,
             _ => skip(element, &mut values)?,
         }
     }
@@ -105,7 +105,8 @@ pub(super) fn read(bytes: &[u8], max_memory: u64) -> Result<PlyMesh, String> {
     }
     let count = mesh.positions.len();
     let outside = |i: &&u32| **i as usize >= count;
-    if let Some(i) = mesh.triangles.iter().flatten().find(outside) {
+    let corners = mesh.triangles.iter().flatten();
+    if let Some(i) = corners.chain(mesh.quads.iter().flatten()).find(outside) {
         return Err(format!("a face refers to vertex {i} of {count}"));
     }
     Ok(mesh)
@@ -197,8 +198,18 @@ fn vertices(element: &Element, values: &mut Values<'_>, mesh: &mut PlyMesh) -> R
         [Some(x), Some(y), Some(z)] => Some([x, y, z]),
         _ => None,
     };
+    // Names of several exporters; pbrt knows the same.
+    let pairs = [
+        ["u", "v"],
+        ["s", "t"],
+        ["texture_u", "texture_v"],
+        ["texture_s", "texture_t"],
+    ];
+    let uv = pairs.iter().find_map(|names| match names.map(find) {
+        [Some(u), Some(v)] => Some([u, v]),
+        _ => None,
+    });
     let mut row = vec![0.0; element.properties.len()];
-    let mut normals = Vec::new();
     for i in 0..element.count {
         for (value, property) in row.iter_mut().zip(&element.properties) {
             match property.list {
@@ -212,17 +223,27 @@ fn vertices(element: &Element, values: &mut Values<'_>, mesh: &mut PlyMesh) -> R
         }
         mesh.positions.push(position);
         if let Some([x, y, z]) = normal {
-            normals.push(DVec3::new(row[x], row[y], row[z]));
+            let normal = DVec3::new(row[x], row[y], row[z]);
+            if !normal.is_finite() {
+                return Err(format!("the normal of vertex {i} is not finite: {normal}"));
+            }
+            mesh.normals.push(normal);
+        }
+        if let Some([u, v]) = uv {
+            let uv = DVec2::new(row[u], row[v]);
+            if !uv.is_finite() {
+                return Err(format!("the (u, v) of vertex {i} is not finite: {uv}"));
+            }
+            mesh.uv.push(uv);
         }
     }
-    mesh.normals = normal.map(|_| normals);
     Ok(())
 }
 
 fn faces(
     element: &Element,
     values: &mut Values<'_>,
-    triangles: &mut Vec<[u32; 3]>,
+    mesh: &mut PlyMesh,
     most: usize,
 ) -> Result<(), String> {
     let indices = |p: &Property| {
@@ -241,13 +262,22 @@ fn faces(
                     }
                     let first = values.index(property.ty)?;
                     let mut last = values.index(property.ty)?;
-                    for _ in 2..corners {
-                        let next = values.index(property.ty)?;
-                        if triangles.len() == most {
-                            return Err("the mesh exceeds the memory limit".to_owned());
+                    if corners == 4 {
+                        let third = values.index(property.ty)?;
+                        let fourth = values.index(property.ty)?;
+                        mesh.quads.push([first, last, third, fourth]);
+                    } else {
+                        for _ in 2..corners {
+                            let next = values.index(property.ty)?;
+                            mesh.triangles.push([first, last, next]);
+                            last = next;
+                            if mesh.triangles.len() > most {
+                                break;
+                            }
                         }
-                        triangles.push([first, last, next]);
-                        last = next;
+                    }
+                    if mesh.triangles.len() + 2 * mesh.quads.len() > most {
+                        return Err("the mesh exceeds the memory limit".to_owned());
                     }
                 }
                 Some(length) => values.skip_list(length, property.ty)?,
@@ -385,10 +415,33 @@ mod tests {
     #[test]
     fn three_encodings_are_one_mesh() {
         let mesh = read(&ascii(), 1 << 20).expect("ascii");
-        assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3]]);
+        assert_eq!(mesh.quads, [[0, 1, 2, 3]]);
+        assert!(mesh.triangles.is_empty() && mesh.normals.is_empty() && mesh.uv.is_empty());
         assert_eq!(mesh.positions[2], DVec3::new(1.0, 1.0, 0.0));
         assert_eq!(read(&binary(false), 1 << 20).expect("little"), mesh);
         assert_eq!(read(&binary(true), 1 << 20).expect("big"), mesh);
+    }
+
+    #[test]
+    fn vertices_may_have_normals_and_parameters() {
+        for (u, v) in [("u", "v"), ("s", "t"), ("texture_u", "texture_v")] {
+            let file = format!(
+                "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float {u}\n\
+                 property float y\nproperty float nx\nproperty float ny\nproperty float nz\n\
+                 property float z\nproperty float {v}\nelement face 2\n\
+                 property list uchar int vertex_index\nend_header\n\
+                 0 .5 0 0 0 1 0 .25\n1 1 0 0 0 2 0 0\n1 0 1 0 1 0 0 0\n0 0 1 0 0 1 0 0\n\
+                 0 0 2 0 0 1 0 0\n3 0 1 2\n5 0 1 2 3 4\n"
+            );
+            let mesh = read(file.as_bytes(), 1 << 20).expect("mesh");
+            assert_eq!(mesh.triangles.len(), 4, "a triangle and a fan of three");
+            assert_eq!(mesh.triangles[3], [0, 3, 4]);
+            assert_eq!(mesh.uv[0], DVec2::new(0.5, 0.25));
+            assert_eq!(mesh.normals[2], DVec3::Y);
+            assert_eq!((mesh.uv.len(), mesh.normals.len()), (5, 5));
+            assert!(read(file.replace(" .25", " nan").as_bytes(), 1 << 20).is_err());
+            assert!(read(file.replace("0 0 2 0 0", "0 0 inf 0 0").as_bytes(), 1 << 20).is_err());
+        }
     }
 
     #[test]

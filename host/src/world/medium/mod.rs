@@ -1,0 +1,133 @@
+//! From a scene's media to the tables that kernels walk.
+//!
+//! What packet kernels render is a [`MediumRecord`] and its part of the [`Tables`]: a density times constants. All
+//! else a medium can have (colours by voxel, light from within, a density by formula, further phase functions) is for
+//! scalar code, and lies in [`Medium::details`] and [`Medium::phase`]. Every medium is walked alike, by its record:
+//! at a tentative collision scalar code draws a [tap](woodcock_core::majorant::GridWalk::tap) where
+//! [`Medium::has_samples`], and asks [`Medium::local`] what is there.
+
+mod assembly;
+mod blackbody;
+mod cloud;
+mod details;
+mod emission;
+mod field;
+mod local;
+mod noise;
+mod phase;
+mod samples;
+mod sources;
+mod voxels;
+
+pub(super) use assembly::{Surroundings, assemble};
+pub use cloud::{CloudDensity, CloudField};
+pub use details::Details;
+pub use emission::Emission;
+pub use field::{Beyond, Field};
+pub use local::Local;
+pub use phase::PhaseFunction;
+pub(super) use samples::rows;
+pub use voxels::EmissiveVoxel;
+
+use glam::{DAffine3, DMat3, DVec3};
+use woodcock_core::path::{MediumRecord, RecordKind};
+
+/// Samples and bounds of all grids of a scene, one after the other.
+#[derive(Clone, Debug, Default)]
+pub struct Tables {
+    /// Samples.
+    pub samples: Vec<f32>,
+    /// Majorants of blocks.
+    pub majorants: Vec<f32>,
+}
+
+/// The box outside of which a medium has no extinction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Support {
+    /// World (as rendered) to the space where the box is [0, size].
+    pub to_local: DAffine3,
+    /// The far corner.
+    pub size: DVec3,
+}
+
+impl Support {
+    /// The box's corners in the world.
+    pub fn corners(&self) -> [DVec3; 8] {
+        let from_local = self.to_local.inverse();
+        std::array::from_fn(|i| {
+            let pick = |bit: usize| f64::from(u8::from(i >> bit & 1 == 1));
+            from_local.transform_point3(self.size * DVec3::new(pick(0), pick(1), pick(2)))
+        })
+    }
+}
+
+/// A medium, assembled.
+#[derive(Clone, Debug)]
+pub struct Medium {
+    /// What kernels read. Grids index the scene's [`Tables`]. Where there are details, colours and albedos are the
+    /// largest of any place.
+    pub record: MediumRecord,
+    /// Where a grid lies; a homogeneous medium has no bound of its own.
+    pub support: Option<Support>,
+    /// Where it scatters to.
+    pub phase: PhaseFunction,
+    /// What packet kernels cannot do.
+    pub details: Option<Box<Details>>,
+    /// Absorption by colour of a sample of one [1/length], where it is the same for all samples.
+    absorption: [f64; 3],
+}
+
+impl Medium {
+    /// Whether extinction differs between colours.
+    pub fn is_chromatic(&self) -> bool {
+        let differ = |[r, g, b]: [f64; 3]| r != g || g != b;
+        match self.details.as_ref().and_then(|d| d.shares.as_ref()) {
+            Some(shares) => shares.iter().any(|share| differ(share.extinction())),
+            None => differ(self.record.colour.map(f64::from)),
+        }
+    }
+
+    /// Whether packet kernels render it as it is.
+    pub fn is_plain(&self) -> bool {
+        self.details.is_none() && self.phase.is_plain()
+    }
+
+    /// Whether it shines.
+    pub fn is_emissive(&self) -> bool {
+        self.emission().is_some()
+    }
+
+    /// Light from within, if there is.
+    pub fn emission(&self) -> Option<&Emission> {
+        self.details.as_ref().and_then(|d| d.emission())
+    }
+
+    /// Whether its extinction is looked up among samples: a grid's, and not a formula's.
+    pub fn has_samples(&self) -> bool {
+        let is_grid = matches!(self.record.kind, RecordKind::Grid { .. });
+        is_grid && self.cloud().is_none()
+    }
+
+    fn cloud(&self) -> Option<&CloudDensity> {
+        self.details.as_ref().and_then(|d| d.cloud.as_ref())
+    }
+
+    /// The cloud for rays to walk through, if it is one.
+    pub fn cloud_field<'a>(&'a self, tables: &'a Tables) -> Option<CloudField<'a>> {
+        let density = self.cloud()?;
+        Some(CloudField::new(&self.record, density, &tables.majorants))
+    }
+
+    /// From the rendered world to grid space, as kernels have it; `None` for a homogeneous medium.
+    pub fn world_to_grid(&self) -> Option<DAffine3> {
+        let RecordKind::Grid { world_to_grid, .. } = self.record.kind else {
+            return None;
+        };
+        let [x, y, z] = world_to_grid.map(|row| row.map(f64::from));
+        let column = |i: usize| DVec3::new(x[i], y[i], z[i]);
+        Some(DAffine3 {
+            matrix3: DMat3::from_cols(column(0), column(1), column(2)),
+            translation: column(3),
+        })
+    }
+}

@@ -1,0 +1,163 @@
+//! Grids on their way into the tables.
+
+use glam::{DAffine3, DMat3, DVec3};
+use woodcock_core::majorant::{fill_majorants, majorant_count};
+use woodcock_core::medium::Affine;
+use woodcock_core::path::RecordKind;
+
+use super::details::Share;
+use super::{Support, Tables};
+use crate::scene::NamedMedium;
+use crate::volume::Limits;
+
+/// A grid as a file or a scene gives it: samples at integer places of grid space, with a rim that
+/// interpolation to the outside needs.
+pub(super) struct Samples {
+    pub(super) values: Vec<f32>,
+    /// What each sample does by colour, where that differs between samples.
+    pub(super) shares: Option<Vec<Share>>,
+    pub(super) dims: [u32; 3],
+    /// Grid space to the medium's space.
+    pub(super) to_medium: DAffine3,
+    /// The part of grid space that has extinction.
+    pub(super) low: DVec3,
+    pub(super) high: DVec3,
+}
+
+/// The samples without the empty margins that files carry around what can be seen, but with the rim that
+/// interpolation fades out in. `None` where every sample is zero.
+pub(super) fn trimmed(samples: Samples) -> Option<Samples> {
+    let [nx, ny, nz] = samples.dims.map(|d| d as usize);
+    let (mut low, mut high) = ([usize::MAX; 3], [0; 3]);
+    for (row, values) in samples.values.chunks_exact(nx).enumerate() {
+        // Not `!= 0`: a NaN must stay, to be reported.
+        let first = values.iter().position(|v| !(*v == 0.0));
+        let last = values.iter().rposition(|v| !(*v == 0.0));
+        if let Some((first, last)) = first.zip(last) {
+            for (axis, (from, to)) in [(first, last), (row % ny, row % ny), (row / ny, row / ny)]
+                .into_iter()
+                .enumerate()
+            {
+                low[axis] = low[axis].min(from);
+                high[axis] = high[axis].max(to);
+            }
+        }
+    }
+    if low[0] == usize::MAX {
+        return None;
+    }
+    let low = low.map(|i| i.saturating_sub(1));
+    let high: [usize; 3] = std::array::from_fn(|i| (high[i] + 1).min([nx, ny, nz][i] - 1));
+    let size: [usize; 3] = std::array::from_fn(|i| high[i] - low[i] + 1);
+    let values = cropped(&samples.values, [nx, ny], low, high);
+    let shares = samples
+        .shares
+        .map(|shares| cropped(&shares, [nx, ny], low, high));
+    let corner = DVec3::from_array(low.map(|i| i as f64));
+    let extent = DVec3::from_array(size.map(|n| (n - 1) as f64));
+    Some(Samples {
+        values,
+        shares,
+        dims: size.map(|n| n as u32),
+        to_medium: samples.to_medium * DAffine3::from_translation(corner),
+        low: (samples.low - corner).max(DVec3::ZERO),
+        high: (samples.high - corner).min(extent),
+    })
+}
+
+/// The part from `low` to `high`, both included, of a table with rows and slices of `size`.
+fn cropped<T: Copy>(table: &[T], size: [usize; 2], low: [usize; 3], high: [usize; 3]) -> Vec<T> {
+    let mut part = Vec::with_capacity((0..3).map(|i| high[i] - low[i] + 1).product());
+    for z in low[2]..=high[2] {
+        for y in low[1]..=high[1] {
+            let row = (z * size[1] + y) * size[0];
+            part.extend_from_slice(table.get(row + low[0]..=row + high[0]).unwrap_or_default());
+        }
+    }
+    part
+}
+
+/// The map from the rendered world to a grid space; `None` where it is singular.
+///
+/// * `to_medium`: from a grid space to the medium's.
+pub(super) fn inverse(
+    medium: &NamedMedium,
+    to_medium: DAffine3,
+    origin: DVec3,
+) -> Option<DAffine3> {
+    let to_world = DAffine3::from_translation(-origin) * medium.medium_to_world * to_medium;
+    let to_grid = to_world.inverse();
+    let finite = |m: &DAffine3| m.is_finite() && m.matrix3 != DMat3::ZERO;
+    (finite(&to_world) && finite(&to_grid)).then_some(to_grid)
+}
+
+/// The map from the rendered world to grid space in single precision, and the box.
+pub(super) fn place(
+    medium: &NamedMedium,
+    samples: &Samples,
+    origin: DVec3,
+) -> Option<(Affine, Support)> {
+    inverse(medium, samples.to_medium, origin).map(|to_grid| {
+        let to_local = DAffine3::from_translation(-samples.low) * to_grid;
+        let size = samples.high - samples.low;
+        (rows(&to_grid), Support { to_local, size })
+    })
+}
+
+/// The rows of an affine map in single precision.
+pub(in crate::world) fn rows(map: &DAffine3) -> Affine {
+    let (m, t) = (map.matrix3, map.translation);
+    [0, 1, 2].map(|r| [m.x_axis[r], m.y_axis[r], m.z_axis[r], t[r]].map(|x| x as f32))
+}
+
+/// Adds a grid to the tables, with its bounds.
+pub(super) fn append(
+    values: Vec<f32>,
+    dims: [u32; 3],
+    world_to_grid: Affine,
+    scale: f32,
+    tables: &mut Tables,
+) -> Result<RecordKind, String> {
+    let bounds = majorant_count(dims).ok_or("its grid has too many voxels")?;
+    let (first, first_bound) = (tables.samples.len(), tables.majorants.len());
+    if first + values.len() > i32::MAX as usize {
+        return Err("the scene's grids have more than 2^31 voxels".into());
+    }
+    tables.majorants.resize(first_bound + bounds, 0.0);
+    let space = tables.majorants.get_mut(first_bound..).unwrap_or_default();
+    fill_majorants(&values, dims, space).map_err(|error| error.to_string())?;
+    // An infinite bound would leave paths where they are, for ever.
+    let peak = space.iter().copied().fold(0.0, f32::max);
+    if !(peak * scale).is_finite() {
+        return Err(format!(
+            "density {peak:e} times {scale:e} is beyond the range of 32-bit numbers"
+        ));
+    }
+    if first == 0 {
+        tables.samples = values;
+    } else {
+        tables.samples.extend_from_slice(&values);
+    }
+    Ok(RecordKind::Grid {
+        world_to_grid,
+        dims,
+        samples: first as u32,
+        majorants: first_bound as u32,
+    })
+}
+
+/// The dimensions of a grid with a rim of one sample, if memory has room for it.
+pub(super) fn padded(dims: [u64; 3], limits: &Limits) -> Result<[u32; 3], String> {
+    let padded = dims.map(|d| d.saturating_add(2));
+    let voxels = padded.iter().fold(1_u64, |n, &d| n.saturating_mul(d));
+    let bytes = voxels.saturating_mul(4);
+    if bytes > limits.max_memory || voxels > i32::MAX as u64 {
+        let [x, y, z] = dims;
+        return Err(format!(
+            "a dense grid of {x} x {y} x {z} voxels needs {bytes} bytes, the limit is {} (and 2^31 voxels); \
+             raise --max-memory or use a smaller volume",
+            limits.max_memory
+        ));
+    }
+    Ok(padded.map(|d| d as u32))
+}
