@@ -5,6 +5,7 @@
 mod adjoint;
 mod choice;
 mod departures;
+mod emitters;
 
 mod errors;
 mod points;
@@ -13,14 +14,16 @@ mod skies;
 use std::f64::consts::PI;
 use std::io::Cursor;
 use std::path::Path;
+use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};
 use woodcock_host::film::Window;
 use woodcock_host::image::{Channel, Image, exr};
 use woodcock_host::light::{Bounds, LightSample, Lights};
 use woodcock_host::scene::{
-    self, ConstantLight, DistantLight, GoniometricLight, ImageLight, Light, MemoryFiles, Options,
-    Place, PointLight, Scene, SceneError, Source, SpotLight,
+    self, AreaEmission, ConstantLight, DistantLight, GoniometricLight, ImageLight, Light,
+    MemoryFiles, Options, Place, PointLight, Scene, SceneError, Shape, Source, Sphere, SpotLight,
+    Surface, TriangleMesh,
 };
 use woodcock_host::surface::Surfaces;
 use woodcock_host::volume::Limits;
@@ -65,6 +68,11 @@ impl Setting {
         self
     }
 
+    fn with(mut self, surfaces: impl IntoIterator<Item = Surface>) -> Self {
+        self.scene.surfaces.extend(surfaces);
+        self
+    }
+
     fn surfaces(&self) -> Surfaces {
         Surfaces::new(&self.scene, ORIGIN).expect("surfaces")
     }
@@ -78,6 +86,38 @@ impl Setting {
     fn lights(&self) -> Lights {
         self.try_lights().expect("lights")
     }
+}
+
+/// A shape that shines, placed relative to [`ORIGIN`] already.
+fn shining(shape: Shape, radiance: [f64; 3], two_sided: bool) -> Surface {
+    Surface {
+        shape,
+        flipped: false,
+        material: None,
+        emission: Some(AreaEmission {
+            radiance,
+            two_sided,
+        }),
+        place: place(),
+    }
+}
+
+/// Triangles, each of its own three corners.
+fn triangles(corners: &[[DVec3; 3]]) -> Shape {
+    Shape::TriangleMesh(Arc::new(TriangleMesh {
+        positions: corners.iter().flatten().map(|p| ORIGIN + *p).collect(),
+        indices: (0..corners.len() as u32)
+            .map(|i| [0, 1, 2].map(|k| 3 * i + k))
+            .collect(),
+        ..TriangleMesh::default()
+    }))
+}
+
+fn ball(centre: DVec3, radius: f64) -> Shape {
+    Shape::Sphere(Sphere {
+        radius,
+        object_to_world: DAffine3::from_translation(ORIGIN + centre),
+    })
 }
 
 fn point(at: DVec3, intensity: [f64; 3]) -> Light {

@@ -115,3 +115,13 @@ fn memory_is_limited() {
     );
     assert!(made.is_err());
 }
+
+#[test]
+fn surfaces_that_shine_too_brightly_are_refused_at_their_place() {
+    let corners = [DVec3::ZERO, DVec3::X, DVec3::Y];
+    let surface = shining(triangles(&[corners]), [1e30; 3], false);
+    let mut setting = Setting::new([]).with([surface]);
+    assert!(setting.try_lights().is_ok());
+    setting.scene.film.imaging_ratio = 1e10;
+    assert!(refused(&setting).contains("beyond the range"));
+}
