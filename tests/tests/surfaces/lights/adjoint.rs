@@ -127,7 +127,7 @@ fn all_lights_together_land_where_they_are_looked_for() {
     let wait = Sample::collect(samples(N), |_| {
         RECEIVER.wait(&lights, &surfaces, &mut rng) + behind.wait(&lights, &surfaces, &mut rng)
     });
-    let verdict = welch(look.moments(), wait.moments()).verdict(least);
+    let verdict = welch(look.moments(), wait.moments()).verdict(4.0 * least);
     suite.trial("flux", "the dark side too", verdict);
     suite.finish();
 }

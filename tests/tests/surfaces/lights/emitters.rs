@@ -62,11 +62,12 @@ fn emitters_give_the_irradiance_of_the_tables() {
 
 /// One of each shape, in view of the origin and apart from each other; some shine to both sides.
 fn shapes() -> [Surface; 4] {
+    // Nearly level, so that it does not hide itself.
     let patch = [
-        [-2.0, 1.0, 1.0],
-        [-1.0, 1.2, 1.0],
-        [-2.0, 2.0, 1.5],
-        [-1.0, 2.1, 0.7],
+        [-2.0, 1.0, 1.5],
+        [-1.0, 1.0, 1.6],
+        [-2.0, 2.0, 1.4],
+        [-1.0, 2.0, 1.8],
     ];
     let patch = Shape::BilinearMesh(Arc::new(BilinearMesh {
         positions: patch.iter().map(|p| ORIGIN + DVec3::from(*p)).collect(),
@@ -164,17 +165,14 @@ fn rays_meet_the_light_that_samples_bring() {
     suite.trial(
         "density",
         "choice forgotten",
-        judge(density.moments(), 1.0, 0.02),
+        judge(density.moments(), 1.0, 0.2),
     );
 
     let truth = irradiance(&setting, from, normal, 0x5532).moments().mean();
     let seen = |hit: &Hit, d: DVec3| mean(lights.hit_radiance(hit, d)) * d.z.max(0.0);
     let found = hits(&seen);
     suite.check("irradiance", judge(found.moments(), truth, 0.01));
-    let both = hits(&|hit, d| {
-        let back = mean(lights.hit_radiance(hit, -d)) * d.z.max(0.0);
-        seen(hit, d).max(back) + 0.1 * back
-    });
+    let both = hits(&|hit, d| seen(hit, d) + mean(lights.hit_radiance(hit, -d)) * d.z.max(0.0));
     suite.trial(
         "irradiance",
         "the back shines",
@@ -271,25 +269,25 @@ fn a_thousand_emitters_sum_to_their_irradiance() {
         "emitters",
         &["choice forgotten", "the brightest never chosen"],
     );
-    let run = |mutate: &dyn Fn(&LightSample) -> f64, base: u64| {
+    let run = |mutate: &dyn Fn(&LightSample) -> f64, resolution: f64, base: u64| {
         let mut rng = SplitMix::new(seed(base));
         let sample = Sample::collect(samples(N), |_| {
             let sample = lights.sample(&surfaces, from, normal, uniforms(&mut rng));
             sample.map_or(0.0, |s| mutate(&s) * weight(&s, normal))
         });
-        judge(sample.moments(), truth, 0.01)
+        judge(sample.moments(), truth, resolution)
     };
-    suite.check("irradiance", run(&|_| 1.0, 0x5552));
+    suite.check("irradiance", run(&|_| 1.0, 0.01, 0x5552));
     suite.trial(
         "irradiance",
         "choice forgotten",
-        run(&|s| 1000.0 * s.choice, 0x5553),
+        run(&|s| 1000.0 * s.choice, 0.5, 0x5553),
     );
     let never = |s: &LightSample| f64::from(s.light as usize != brightest.0);
     suite.trial(
         "irradiance",
         "the brightest never chosen",
-        run(&never, 0x5554),
+        run(&never, 0.01, 0x5554),
     );
     suite.finish();
 }
