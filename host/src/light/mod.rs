@@ -134,7 +134,7 @@ impl Lights {
     ) -> Result<Self, SceneError> {
         let whole = |message: String| SceneError::of_file("the scene", message);
         let reach = bounds.centre.abs() + bounds.radius;
-        if !(bounds.radius > 0.0 && reach.as_vec3().is_finite()) {
+        if !(bounds.radius as f32 > 0.0 && reach.as_vec3().is_finite()) {
             let Bounds { centre, radius } = bounds;
             return Err(whole(format!(
                 "the sphere around everything, of radius {radius} about {centre}, is beyond the range of 32-bit numbers"
