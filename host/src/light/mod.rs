@@ -134,7 +134,7 @@ impl Lights {
     ) -> Result<Self, SceneError> {
         let whole = |message: String| SceneError::of_file("the scene", message);
         let reach = bounds.centre.abs() + bounds.radius;
-        if !(bounds.radius > 0.0 && reach.as_vec3().is_finite()) {
+        if !(bounds.radius as f32 > 0.0 && reach.as_vec3().is_finite()) {
             let Bounds { centre, radius } = bounds;
             return Err(whole(format!(
                 "the sphere around everything, of radius {radius} about {centre}, is beyond the range of 32-bit numbers"
@@ -233,8 +233,8 @@ impl Lights {
         }
     }
 
-    /// Radiance that a surface which was hit sends in a direction of travel: zero if none shines there, and on the
-    /// dark side of those that have one.
+    /// Radiance that a ray in a unit direction meets where it hit a surface: zero if none shines there, and on the dark
+    /// side of those that have one.
     pub fn hit_radiance(&self, hit: &Hit, direction: DVec3) -> [f64; 3] {
         let light = hit
             .emitter
@@ -244,7 +244,7 @@ impl Lights {
                 radiance,
                 two_sided,
                 ..
-            }) if shines(hit.anchor.normal, direction, *two_sided) => *radiance,
+            }) if shines(hit.anchor.normal, -direction, *two_sided) => *radiance,
             _ => [0.0; 3],
         }
     }

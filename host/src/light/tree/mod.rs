@@ -57,7 +57,7 @@ pub(super) struct Tree {
 
 impl Tree {
     /// * `items`: lights, each of positive strength; a light is named by its index here.
-    /// * `scale`: length that the distances of the scene are to be compared with, positive.
+    /// * `scale`: length that the distances of the scene are to be compared with, positive also in single precision.
     pub(super) fn new(items: &[Extent], scale: f64) -> Self {
         let mut tree = Self {
             nodes: Vec::with_capacity(2 * items.len()),
@@ -65,9 +65,6 @@ impl Tree {
             // A place on a light must not make it infinitely important.
             nearest: (scale * 1e-12) * (scale * 1e-12),
         };
-        if tree.nearest <= 0.0 {
-            tree.nearest = f64::MIN_POSITIVE;
-        }
         let mut order: Vec<u32> = (0..items.len() as u32).collect();
         if !order.is_empty() {
             tree.build(items, &mut order, 0, 0);
