@@ -169,6 +169,7 @@ mod tests {
         TriangleMesh {
             positions: (0..8).map(corner).collect(),
             indices: triangles.to_vec(),
+            ..TriangleMesh::default()
         }
     }
 
