@@ -82,7 +82,8 @@ fn grids_are_what_nanovdb_says() {
     let (mut files, mut probes) = (0, 0);
     for entry in array(&json("expected_nvdb.json")["files"]) {
         let name = entry["file"].as_str().expect("a name");
-        if !data().join(name).exists() {
+        // Those without grids are listed only, see below.
+        if !data().join(name).exists() || entry.get("grids").is_none() {
             continue;
         }
         let file = load(name);
@@ -152,8 +153,8 @@ fn every_voxel_is_openvdbs() {
 #[test]
 fn only_what_is_asked_for_is_read() {
     let mut damaged = bytes("nvdb/multi.nvdb");
-    let last = damaged.len() - 100;
-    damaged[last] ^= 0xff;
+    let last = damaged.len() - 10_000;
+    damaged[last..].fill(0xff);
     assert!(nvdb::read(&damaged, &Limits::default()).is_err());
     let file = nvdb::read_grids(&damaged, &Limits::default(), |name| name == "density");
     assert_eq!(file.expect("the first grid").grids.len(), 1);
