@@ -90,7 +90,7 @@ impl Witness for Scoring<'_> {
 /// Radiance of a surface that a ray found, times its share.
 pub(super) fn found(world: &World, last: &Last, ray: &Ray, hit: &Hit) -> DVec3 {
     let lighting = &world.lighting;
-    let radiance = DVec3::from(lighting.hit_radiance(hit, -ray.direction));
+    let radiance = DVec3::from(lighting.hit_radiance(hit, ray.direction));
     if radiance == DVec3::ZERO || last.pdf == f64::INFINITY {
         return radiance;
     }

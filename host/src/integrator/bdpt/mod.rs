@@ -343,7 +343,7 @@ impl Found<'_> {
             return;
         };
         let world = self.world;
-        let radiance = DVec3::from(world.lighting.hit_radiance(hit, light.from));
+        let radiance = DVec3::from(world.lighting.hit_radiance(hit, -light.from));
         if radiance == DVec3::ZERO {
             return;
         }
