@@ -2,8 +2,11 @@
 //!
 //! The format is told from the content, not from the file's name.
 
-use crate::volume::Limits;
-use crate::volume::vdb::{self, Grid, MetaValue, Metadata, Statistics, VdbError, VdbFile};
+mod mitsuba;
+
+use crate::volume::vdb::{self, Grid, MetaValue, Metadata, Statistics, VdbError};
+use crate::volume::vol::{self, VolError, VolGrid};
+use crate::volume::{Limits, nvdb};
 use glam::DVec3;
 use serde_json::{Map, Value, json};
 use std::cell::RefCell;
@@ -26,12 +29,15 @@ pub struct InfoOptions {
 /// Why there is nothing to tell.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum InfoError {
-    /// The OpenVDB reader's error.
+    /// The error of the readers of OpenVDB and NanoVDB files.
     #[error(transparent)]
     Vdb(#[from] VdbError),
-    /// A format that is recognised, without a reader so far.
-    #[error("{0} files are not yet supported by `woodcock info`; OpenVDB files (.vdb) are")]
-    NotYet(&'static str),
+    /// The error of the reader of Mitsuba's grids.
+    #[error(transparent)]
+    Vol(#[from] VolError),
+    /// A format that is recognised, and no volume.
+    #[error("{0} files hold images, not volumes")]
+    NoVolume(&'static str),
     /// No volume format that we know.
     #[error(
         "unknown format: the first bytes are none of OpenVDB's, NanoVDB's, Mitsuba's .vol or OpenEXR's"
@@ -60,37 +66,80 @@ fn sniff(bytes: &[u8]) -> Option<Format> {
     // NanoVDB has three magic numbers, "NanoVDB0" to "NanoVDB2".
     match bytes {
         _ if bytes.starts_with(&vdb::MAGIC) => Some(Format::OpenVdb),
-        _ if bytes.starts_with(b"NanoVDB") => Some(Format::NanoVdb),
-        _ if bytes.starts_with(b"VOL") => Some(Format::MitsubaVol),
+        _ if bytes.starts_with(&nvdb::MAGIC) => Some(Format::NanoVdb),
+        _ if bytes.starts_with(&vol::MAGIC) => Some(Format::MitsubaVol),
         _ if bytes.starts_with(&[0x76, 0x2f, 0x31, 0x01]) => Some(Format::OpenExr),
         _ => None,
     }
 }
 
-fn open(bytes: &[u8], options: &InfoOptions) -> Result<VdbFile, InfoError> {
-    match sniff(bytes) {
-        Some(Format::OpenVdb) => {}
-        Some(Format::NanoVdb) => return Err(InfoError::NotYet("NanoVDB")),
-        Some(Format::MitsubaVol) => return Err(InfoError::NotYet("Mitsuba .vol")),
-        Some(Format::OpenExr) => return Err(InfoError::NotYet("OpenEXR")),
-        None => return Err(InfoError::UnknownFormat),
-    }
-    let Some(wanted) = &options.grid else {
-        return Ok(vdb::read(bytes, &options.limits)?);
-    };
+/// What a file holds.
+enum File {
+    Trees(Trees),
+    Mitsuba(VolGrid),
+}
+
+/// Grids of a file of sparse trees, and what the file says of itself.
+struct Trees {
+    /// Name of the format.
+    format: &'static str,
+    version: Value,
+    /// Version of the library that wrote it, where that is another one.
+    library: Option<String>,
+    metadata: Metadata,
+    grids: Vec<Grid>,
+}
+
+fn open(bytes: &[u8], options: &InfoOptions) -> Result<File, InfoError> {
     let names = RefCell::new(BTreeSet::new());
-    let file = vdb::read_grids(bytes, &options.limits, |name| {
+    let wanted = |name: &str| {
         names.borrow_mut().insert(format!("`{name}`"));
-        name == wanted
-    })?;
-    if file.grids.is_empty() {
-        let names: Vec<_> = names.into_inner().into_iter().collect();
-        return Err(InfoError::NoSuchGrid {
-            name: wanted.clone(),
-            available: names.join(", "),
-        });
+        options.grid.as_ref().is_none_or(|wanted| name == wanted)
+    };
+    let trees = match sniff(bytes) {
+        Some(Format::OpenVdb) => {
+            let file = vdb::read_grids(bytes, &options.limits, wanted)?;
+            Trees {
+                format: "OpenVDB",
+                version: json!(file.version),
+                library: Some(format!("{}.{}", file.library.0, file.library.1)),
+                metadata: file.metadata,
+                grids: file.grids,
+            }
+        }
+        Some(Format::NanoVdb) => {
+            let file = nvdb::read_grids(bytes, &options.limits, wanted)?;
+            let [major, minor, patch] = file.version;
+            Trees {
+                format: "NanoVDB",
+                version: json!(format!("{major}.{minor}.{patch}")),
+                library: None,
+                metadata: Metadata::new(),
+                grids: file.grids,
+            }
+        }
+        Some(Format::MitsubaVol) => {
+            return match &options.grid {
+                Some(name) if !name.is_empty() => Err(InfoError::NoSuchGrid {
+                    name: name.clone(),
+                    available: "one grid without a name".to_owned(),
+                }),
+                _ => Ok(File::Mitsuba(vol::read(bytes, &options.limits)?)),
+            };
+        }
+        Some(Format::OpenExr) => return Err(InfoError::NoVolume("OpenEXR")),
+        None => return Err(InfoError::UnknownFormat),
+    };
+    match &options.grid {
+        Some(wanted) if trees.grids.is_empty() => {
+            let names: Vec<_> = names.into_inner().into_iter().collect();
+            Err(InfoError::NoSuchGrid {
+                name: wanted.clone(),
+                available: names.join(", "),
+            })
+        }
+        _ => Ok(File::Trees(trees)),
     }
-    Ok(file)
 }
 
 /// A number, or the string nan, inf or -inf: JSON has none of them.
@@ -216,20 +265,27 @@ fn grid_json(grid: &Grid, options: &InfoOptions) -> Value {
 /// `metadata`; where its values were read also `background`, `active_voxels`, `active_tiles`, `leaf_nodes`, `active_bbox`
 /// (\[min, max\], inclusive), `min_active`, `max_active`, `sum_active` (all four null without active voxels), `at` and
 /// `ray` (one value per question, null where there is no answer). Non-finite numbers are the strings nan, inf, -inf;
-/// vectors are lists of three.
+/// vectors are lists of three. The one grid of a Mitsuba file has no name; its world is the unit cube, all of its voxels
+/// are active, and it has `size`, `channels` and `file_bounds` besides.
 ///
 /// # Errors
 /// [`InfoError`].
 pub fn info_json(bytes: &[u8], options: &InfoOptions) -> Result<Value, InfoError> {
-    let file = open(bytes, options)?;
+    let file = match open(bytes, options)? {
+        File::Trees(file) => file,
+        File::Mitsuba(grid) => return Ok(mitsuba::json(&grid, options)),
+    };
     let grids: Value = file.grids.iter().map(|g| grid_json(g, options)).collect();
-    Ok(json!({
-        "format": "OpenVDB",
+    let mut told = json!({
+        "format": file.format,
         "format_version": file.version,
-        "library_version": format!("{}.{}", file.library.0, file.library.1),
         "metadata": metadata_json(&file.metadata),
         "grids": grids,
-    }))
+    });
+    if let Some(library) = file.library {
+        told["library_version"] = json!(library);
+    }
+    Ok(told)
 }
 
 /// The same for people, as `woodcock info` prints it.
@@ -237,14 +293,18 @@ pub fn info_json(bytes: &[u8], options: &InfoOptions) -> Result<Value, InfoError
 /// # Errors
 /// [`InfoError`].
 pub fn info_text(bytes: &[u8], options: &InfoOptions) -> Result<String, InfoError> {
-    let file = open(bytes, options)?;
-    let mut text = format!(
-        "OpenVDB, format version {}, written by library {}.{}, {} grid(s)\n",
-        file.version,
-        file.library.0,
-        file.library.1,
-        file.grids.len()
-    );
+    let file = match open(bytes, options)? {
+        File::Trees(file) => file,
+        File::Mitsuba(grid) => return Ok(mitsuba::text(&grid, options)),
+    };
+    let version = match &file.library {
+        Some(library) => format!(
+            "format version {}, written by library {library}",
+            file.version
+        ),
+        None => format!("version {}", file.version.as_str().unwrap_or("?")),
+    };
+    let mut text = format!("{}, {version}, {} grid(s)\n", file.format, file.grids.len());
     metadata_text(&mut text, "  ", &file.metadata);
     for grid in &file.grids {
         text.push('\n');

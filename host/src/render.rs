@@ -262,6 +262,17 @@ impl Job for Pass<'_> {
     }
 }
 
+/// What a function makes of each tile of a film, in their order, on as many threads as there are.
+pub(crate) fn map_tiles<T: Send>(film: &Film, make: impl Fn(&Tile) -> T + Send + Sync) -> Vec<T> {
+    #[cfg(feature = "rayon")]
+    {
+        use rayon::prelude::*;
+        film.tiles().par_iter().map(make).collect()
+    }
+    #[cfg(not(feature = "rayon"))]
+    film.tiles().iter().map(make).collect()
+}
+
 /// Works on all tiles of a film, on as many threads as there are, and adds up what was counted.
 pub(crate) fn over_tiles(
     film: &mut Film,

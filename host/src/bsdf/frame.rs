@@ -68,7 +68,7 @@ impl Frame {
     }
 
     /// The inverse of [`to_local`](Self::to_local), of unit length.
-    pub(super) fn from_local(self, normal: DVec3, w: DVec3) -> DVec3 {
+    pub(super) fn to_world(self, normal: DVec3, w: DVec3) -> DVec3 {
         (self.tangent * w.x + self.bitangent * w.y + normal * w.z).normalize()
     }
 

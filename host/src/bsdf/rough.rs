@@ -40,9 +40,15 @@ impl Pair {
         })
     }
 
-    /// The normal at which `v` is reflected to `w`.
-    fn mirror(&self) -> Option<DVec3> {
-        (self.passage == Passage::Reflection).then(|| (self.v + self.w).normalize())
+    /// The normal at which `v` is reflected to `w`, and its cosine with either.
+    fn mirror(&self) -> Option<(DVec3, f64)> {
+        if self.passage != Passage::Reflection {
+            return None;
+        }
+        // |v + w| is twice the cosine, also where it is small and v·m is noise.
+        let h = self.v + self.w;
+        let length = h.length();
+        Some((h / length, (0.5 * length).min(1.0)))
     }
 
     /// The normal at which `v` is refracted to `w`, and |h|².
@@ -79,8 +85,8 @@ impl Dielectric {
         let pair = Pair::new(frame, from, to)?;
         let Pair { v, w, .. } = pair;
         let masking = self.ggx.masking_over_cosines(v, w);
-        let f = if let Some(m) = pair.mirror() {
-            0.25 * fresnel::dielectric(v.dot(m).min(1.0), eta) * self.ggx.density(m) * masking
+        let f = if let Some((m, cosine)) = pair.mirror() {
+            0.25 * fresnel::dielectric(cosine, eta) * self.ggx.density(m) * masking
         } else {
             let (m, square) = pair.lens(eta)?;
             let cosine = v.dot(m);
@@ -95,15 +101,15 @@ impl Dielectric {
     pub(super) fn pdf(&self, frame: &Frame, from: DVec3, to: DVec3) -> Option<f64> {
         let eta = relative_index(frame, self.eta, from)?;
         let pair = Pair::new(frame, from, to)?;
-        if let Some(m) = pair.mirror() {
-            return Some(self.reflected_pdf(pair.v, m, eta));
+        if let Some((m, cosine)) = pair.mirror() {
+            return Some(self.reflected_pdf(pair.v, m, cosine, eta));
         }
         let (m, square) = pair.lens(eta)?;
         Some(self.refracted_pdf(&pair, m, square, eta))
     }
 
-    fn reflected_pdf(&self, v: DVec3, m: DVec3, eta: f64) -> f64 {
-        let reflected = fresnel::dielectric(v.dot(m).min(1.0), eta);
+    fn reflected_pdf(&self, v: DVec3, m: DVec3, cosine: f64, eta: f64) -> f64 {
+        let reflected = fresnel::dielectric(cosine, eta);
         0.25 * reflected * self.ggx.visible_over_cosine(v, m)
     }
 
@@ -125,16 +131,16 @@ impl Dielectric {
         let (normal, _) = frame.facing(from)?;
         let v = frame.to_local(normal, from);
         let m = self.ggx.sample(v, [u[1], u[2]]);
-        let cosine = v.dot(m).min(1.0);
+        let cosine = v.dot(m).clamp(0.0, 1.0);
         let (w, factor) = if u[0] < fresnel::dielectric(cosine, eta) {
             (reflect(v, m), 1.0)
         } else {
             (refract(v, m, cosine, eta)?, squeeze(eta, transport))
         };
-        let direction = frame.from_local(normal, w);
+        let direction = frame.to_world(normal, w);
         let pair = Pair::new(frame, from, direction)?;
         let pdf = match (pair.passage, w.dot(m) > 0.0) {
-            (Passage::Reflection, true) => self.reflected_pdf(v, m, eta),
+            (Passage::Reflection, true) => self.reflected_pdf(v, m, cosine, eta),
             (Passage::Transmission, false) => {
                 let square = (v + w * eta).length_squared();
                 self.refracted_pdf(&pair, m, square, eta)
@@ -171,15 +177,15 @@ impl Conductor {
         transport: Transport,
     ) -> Option<[f64; 3]> {
         let pair = Pair::new(frame, from, to)?;
-        let m = pair.mirror()?;
+        let (m, cosine) = pair.mirror()?;
         let facets = self.ggx.density(m) * self.ggx.masking_over_cosines(pair.v, pair.w);
         let factor = 0.25 * facets * frame.cosine(from, to, transport);
-        Some(reflected(pair.v.dot(m).min(1.0)).map(|f| f * factor))
+        Some(reflected(cosine).map(|f| f * factor))
     }
 
     pub(super) fn pdf(&self, frame: &Frame, from: DVec3, to: DVec3) -> Option<f64> {
         let pair = Pair::new(frame, from, to)?;
-        let m = pair.mirror()?;
+        let (m, _) = pair.mirror()?;
         Some(0.25 * self.ggx.visible_over_cosine(pair.v, m))
     }
 
@@ -194,7 +200,7 @@ impl Conductor {
         let (normal, _) = frame.facing(from)?;
         let v = frame.to_local(normal, from);
         let m = self.ggx.sample(v, u);
-        let direction = frame.from_local(normal, reflect(v, m));
+        let direction = frame.to_world(normal, reflect(v, m));
         let pair = Pair::new(frame, from, direction)?;
         pair.mirror()?;
         let weight =

@@ -5,7 +5,7 @@ use woodcock_core::stream::{PathStream, Stream};
 /// A stream of one path, with marks at which a Markov chain treats numbers differently.
 ///
 /// Marks mean nothing for independent paths.
-pub trait Draws: Stream<f32> + Stream<f64> {
+pub(crate) trait Draws: Stream<f32> + Stream<f64> {
     /// What follows decides about this vertex of this subpath.
     fn vertex(&mut self, _subpath: Subpath, _number: u32) {}
     /// What follows are the null collisions of a segment.
@@ -29,7 +29,7 @@ pub trait Draws: Stream<f32> + Stream<f64> {
 
 /// Whose numbers are drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Subpath {
+pub(crate) enum Subpath {
     /// The path from the camera.
     Camera,
     /// The path from a light.

@@ -5,6 +5,7 @@
 
 pub(crate) mod bdpt;
 pub(crate) mod camera;
+mod canvas;
 mod draws;
 pub(crate) mod glow;
 mod next_event;

@@ -5,6 +5,8 @@ use std::ops::Range;
 use woodcock_core::path::{Counts, PathSample};
 use woodcock_core::stream::{Key, PathStream};
 
+use super::bdpt::{self, Splat, Workspace};
+use super::canvas::Canvas;
 use super::tracer::Tracer;
 use super::{Draws, Sample, Settings, path, transmittance};
 use crate::drive::Progress;
@@ -19,6 +21,8 @@ pub enum Integrator {
     /// Path tracing
     #[default]
     Path,
+    /// Bidirectional path tracing
+    Bdpt,
     /// Light that is scattered at most once
     Single,
     /// Light that is not scattered
@@ -27,7 +31,7 @@ pub enum Integrator {
 
 impl Integrator {
     /// All of them.
-    pub const ALL: [Self; 3] = [Self::Path, Self::Single, Self::Transmittance];
+    pub const ALL: [Self; 4] = [Self::Path, Self::Bdpt, Self::Single, Self::Transmittance];
 
     /// The one of a name.
     pub fn named(name: &str) -> Option<Self> {
@@ -38,6 +42,7 @@ impl Integrator {
     pub const fn name(self) -> &'static str {
         match self {
             Self::Path => "path",
+            Self::Bdpt => "bdpt",
             Self::Single => "single",
             Self::Transmittance => "transmittance",
         }
@@ -52,7 +57,7 @@ pub(super) fn settings(plan: &Plan) -> Settings {
     }
 }
 
-/// One sample of a pixel.
+/// One sample of a pixel, without what lands elsewhere.
 pub(crate) fn sample<D: Draws>(
     tracer: &mut Tracer<'_>,
     plan: &Plan,
@@ -63,6 +68,10 @@ pub(crate) fn sample<D: Draws>(
     let settings = settings(plan);
     match plan.integrator {
         Integrator::Transmittance => transmittance::trace(tracer, film, draws),
+        Integrator::Bdpt => {
+            let mut room = Workspace::default();
+            bdpt::trace(tracer, &settings, film, draws, &mut room, &mut Vec::new())
+        }
         Integrator::Single | Integrator::Path => path::trace(tracer, &settings, film, draws),
     }
 }
@@ -75,12 +84,96 @@ pub fn render_pass(
     samples: Range<u32>,
     progress: &dyn Progress,
 ) -> Counts {
+    if plan.integrator == Integrator::Bdpt {
+        let mut counts = Counts::default();
+        for sample in samples {
+            let pass = bidirectional(world, plan, film, sample);
+            progress.advance(pass.paths);
+            counts.add(&pass);
+        }
+        return counts;
+    }
     let tile = |tile: &mut Tile| {
         let counts = render_tile(world, plan, tile, samples.clone());
         progress.advance(counts.paths);
         counts
     };
     crate::render::over_tiles(film, tile)
+}
+
+/// What the paths of a tile bring.
+struct Harvest {
+    pixels: Vec<([u32; 2], PathSample)>,
+    splats: Vec<Splat>,
+    spoilt: Vec<[u32; 2]>,
+    counts: Counts,
+}
+
+/// One sample of every pixel, with as many light paths: a replicate of the picture of its own, since light paths may land
+/// anywhere.
+fn bidirectional(world: &World, plan: &Plan, film: &mut Film, index: u32) -> Counts {
+    let window = film.window();
+    let [width, height] = world.resolution.map(f64::from);
+    // Splats are for as many light paths as the whole picture has pixels.
+    let factor = width * height / window.pixels() as f64;
+    let harvests = crate::render::map_tiles(film, |tile| harvest(world, plan, tile, index));
+    let mut canvas = Canvas::new(window);
+    let mut counts = Counts::default();
+    for harvest in harvests {
+        counts.add(&harvest.counts);
+        for (pixel, sample) in harvest.pixels {
+            canvas.add(pixel, sample.radiance);
+            canvas.cover(pixel, sample.alpha);
+        }
+        for splat in &harvest.splats {
+            canvas.splat(splat, factor);
+        }
+        for pixel in harvest.spoilt {
+            canvas.spoil(pixel);
+        }
+    }
+    canvas.hand_over(film, index);
+    counts
+}
+
+fn harvest(world: &World, plan: &Plan, tile: &Tile, index: u32) -> Harvest {
+    let mut tracer = Tracer::new(world);
+    let mut room = Workspace::default();
+    let settings = settings(plan);
+    let window = tile.window();
+    let mut pixels = Vec::with_capacity(window.pixels() as usize);
+    let mut splats = Vec::new();
+    let mut spoilt = Vec::new();
+    for y in window.y0..window.y1 {
+        for x in window.x0..window.x1 {
+            let mut draws = stream(world, plan, [x, y], index);
+            let film = [f64::from(x) + draws.one(), f64::from(y) + draws.one()];
+            let before = splats.len();
+            let sample = bdpt::trace(
+                &mut tracer,
+                &settings,
+                film,
+                &mut draws,
+                &mut room,
+                &mut splats,
+            );
+            tracer.counts.paths += 1;
+            if splats[before..]
+                .iter()
+                .any(|splat| !splat.radiance.is_finite())
+            {
+                splats.truncate(before);
+                spoilt.push([x, y]);
+            }
+            pixels.push(([x, y], sample.into()));
+        }
+    }
+    Harvest {
+        pixels,
+        splats,
+        spoilt,
+        counts: tracer.counts,
+    }
 }
 
 /// The random numbers of a pixel's sample.

@@ -63,11 +63,6 @@ impl Site {
         }
     }
 
-    /// Whether it is on a surface.
-    pub(crate) fn is_surface(&self) -> bool {
-        matches!(self.scatterer, Scatterer::Surface(_))
-    }
-
     /// Whether connections to it bring nothing.
     pub(crate) fn is_specular(&self) -> bool {
         match &self.scatterer {

@@ -1,18 +1,18 @@
 //! A choice among numbered things in proportion to weights: inversion of running sums.
 
 /// The largest number below one.
-pub(super) const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
+pub(crate) const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
 
 /// Running sums of weights, 8 bytes each. Inversion keeps the order of the random numbers, and so their
 /// stratification, which an alias table does not.
 #[derive(Debug, Default)]
-pub(super) struct Discrete {
+pub(crate) struct Discrete {
     sums: Box<[f64]>,
 }
 
 impl Discrete {
     /// * `weights`: not negative; their sum finite.
-    pub(super) fn new(weights: impl Iterator<Item = f64>) -> Self {
+    pub(crate) fn new(weights: impl Iterator<Item = f64>) -> Self {
         let mut sum = 0.0;
         let sums = weights.map(|weight| {
             sum += weight;
@@ -24,7 +24,7 @@ impl Discrete {
     }
 
     /// The sum of all weights.
-    pub(super) fn total(&self) -> f64 {
+    pub(crate) fn total(&self) -> f64 {
         self.sums.last().copied().unwrap_or(0.0)
     }
 
@@ -35,7 +35,7 @@ impl Discrete {
 
     /// The probability of a thing: exactly that of [`choose`](Self::choose), rounding of the sums included. Zero if
     /// there is no such thing.
-    pub(super) fn probability(&self, index: usize) -> f64 {
+    pub(crate) fn probability(&self, index: usize) -> f64 {
         let total = self.total();
         match self.sums.get(index) {
             Some(sum) if total > 0.0 => (sum - self.before(index)) / total,
@@ -45,7 +45,7 @@ impl Discrete {
 
     /// A thing at u in [0, 1), and what is left of u, again uniform in [0, 1). Never one of weight zero; `None` if all
     /// are.
-    pub(super) fn choose(&self, u: f64) -> Option<(usize, f64)> {
+    pub(crate) fn choose(&self, u: f64) -> Option<(usize, f64)> {
         let total = self.total();
         if total <= 0.0 {
             return None;

@@ -15,7 +15,7 @@ mod assemble;
 mod choice;
 mod departure;
 mod direction;
-mod discrete;
+pub(crate) mod discrete;
 mod layout;
 mod picture;
 mod source;

@@ -4,7 +4,9 @@
 //! error that says what is wrong and where. Sizes are checked against the bytes that are left before anything is
 //! allocated, and [`Limits`] bounds what a file may unfold to.
 
+pub mod nvdb;
 pub mod vdb;
+pub mod vol;
 
 /// What a volume file may cost.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

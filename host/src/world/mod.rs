@@ -269,6 +269,8 @@ pub fn assemble(scene: &Scene, files: &dyn Files, options: &Options) -> Result<W
     let materials = Materials::new(&scene.materials, files, &options.limits)?;
     let bounds = extent::bounds(scene, &surfaces, &assembled.media, origin);
     let lighting = Lighting::new(scene, &surfaces, bounds, origin, files, &options.limits)?;
+    let alone = lighting.is_empty();
+    let glow = Glow::new(&assembled.media, &assembled.tables, alone);
     let scalar = not_in_packets(scene, &assembled, &surfaces);
     let (distant, environment) = lights(scene)?;
     let records = assembled
@@ -300,7 +302,7 @@ pub fn assemble(scene: &Scene, files: &dyn Files, options: &Options) -> Result<W
         surfaces,
         materials,
         lighting,
-        glow: None,
+        glow,
         scalar,
     })
 }

@@ -2,8 +2,10 @@
 #![forbid(unsafe_code)]
 
 mod cli;
+mod nvdb;
 mod pbrt;
 mod pbrt_errors;
 mod pbrt_mutations;
 mod render;
 mod vdb;
+mod vol;

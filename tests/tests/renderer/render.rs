@@ -14,6 +14,7 @@ mod bits;
 mod closed_forms;
 mod equivalence;
 mod furnace;
+mod media;
 mod numerics;
 mod tables;
 

@@ -12,21 +12,21 @@ mod damaged;
 mod queries;
 
 /// What one file, or one question to it, may cost.
-const PATIENCE: Duration = Duration::from_secs(10);
+pub(crate) const PATIENCE: Duration = Duration::from_secs(10);
 
-fn data() -> PathBuf {
+pub(crate) fn data() -> PathBuf {
     match std::env::var_os("WOODCOCK_TEST_DATA") {
         Some(folder) => folder.into(),
         None => PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("data"),
     }
 }
 
-fn bytes(file: &str) -> Vec<u8> {
+pub(crate) fn bytes(file: &str) -> Vec<u8> {
     let path = data().join(file);
     std::fs::read(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-fn json(file: &str) -> Value {
+pub(crate) fn json(file: &str) -> Value {
     serde_json::from_slice(&bytes(file)).expect("valid JSON")
 }
 
@@ -34,12 +34,12 @@ fn load(file: &str) -> vdb::VdbFile {
     vdb::read(&bytes(file), &Limits::default()).unwrap_or_else(|error| panic!("{file}: {error}"))
 }
 
-fn array(value: &Value) -> &[Value] {
+pub(crate) fn array(value: &Value) -> &[Value] {
     value.as_array().map_or(&[], Vec::as_slice)
 }
 
 /// Numbers, truth values, and the strings nan, inf, -inf.
-fn f64_of(value: &Value) -> f64 {
+pub(crate) fn f64_of(value: &Value) -> f64 {
     match value {
         Value::Bool(flag) => f64::from(u8::from(*flag)),
         Value::String(text) => text.parse().expect("a number"),
@@ -47,18 +47,18 @@ fn f64_of(value: &Value) -> f64 {
     }
 }
 
-fn f64s<const N: usize>(values: &[Value]) -> [f64; N] {
+pub(crate) fn f64s<const N: usize>(values: &[Value]) -> [f64; N] {
     std::array::from_fn(|n| f64_of(&values[n]))
 }
 
 /// A scalar three times, or a vector.
-fn vector_of(value: &Value) -> [f64; 3] {
+pub(crate) fn vector_of(value: &Value) -> [f64; 3] {
     value
         .as_array()
         .map_or_else(|| [f64_of(value); 3], |v| f64s(v))
 }
 
-fn close(a: f64, b: f64, relative: f64, absolute: f64) -> bool {
+pub(crate) fn close(a: f64, b: f64, relative: f64, absolute: f64) -> bool {
     (a.is_nan() && b.is_nan()) || a == b || (a - b).abs() <= relative * b.abs() + absolute
 }
 

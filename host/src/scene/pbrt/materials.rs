@@ -219,7 +219,7 @@ impl Reader<'_> {
         params: &Params,
         name: &'static str,
     ) -> Result<Option<f64>, SceneError> {
-        let types = [Type::Float, Type::Texture, Type::Spectrum];
+        let types = [Type::Float, Type::Texture];
         match params.find(name, &types)? {
             Some(param) if param.ty == Type::Texture => {
                 let Values::Strings(names) = &param.values else {

@@ -139,7 +139,7 @@ impl Placing<'_> {
                 let plain = mesh.quads.is_empty();
                 let parameters = id.is_some_and(|id| self.uses_parameters(id));
                 let mut whole = None;
-                if visible && plain && !(parameters && !mesh.turned.is_empty()) {
+                if visible && plain && (!parameters || mesh.turned.is_empty()) {
                     // Both kinds share the vertices.
                     whole = Some(Arc::new(mesh.triangle_mesh()));
                 }
@@ -291,7 +291,7 @@ fn area(geometry: &Geometry) -> Option<f64> {
                 .abs()
                 .max((z.length_squared() - square).abs());
             let similar = off.max(uneven) <= 1e-9 * square;
-            similar.then(|| 4.0 * PI * sphere.radius * sphere.radius * square)
+            similar.then_some(4.0 * PI * sphere.radius * sphere.radius * square)
         }
         Geometry::Disk(disk, _) => {
             let m = disk.object_to_world.matrix3;

@@ -26,8 +26,13 @@ fn u32_at(bytes: &[u8], at: usize) -> Result<usize, String> {
     }
 }
 
+/// What a container says that it unfolds to \[bytes\].
+pub(in crate::volume) fn unpacked_size(packed: &[u8]) -> Result<usize, String> {
+    u32_at(packed, 4)
+}
+
 /// Unfolds `packed` into exactly `out`.
-pub(super) fn decompress(packed: &[u8], out: &mut [u8]) -> Result<(), String> {
+pub(in crate::volume) fn decompress(packed: &[u8], out: &mut [u8]) -> Result<(), String> {
     if packed.len() < HEADER {
         return Err(format!("a blosc chunk has only {} bytes", packed.len()));
     }

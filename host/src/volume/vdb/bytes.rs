@@ -5,27 +5,27 @@ use crate::volume::Limits;
 
 /// Reads little-endian values front to back; every read is checked against the end.
 #[derive(Debug, Clone)]
-pub(super) struct Cursor<'a> {
+pub(in crate::volume) struct Cursor<'a> {
     bytes: &'a [u8],
     position: usize,
 }
 
 impl<'a> Cursor<'a> {
-    pub(super) fn new(bytes: &'a [u8]) -> Self {
+    pub(in crate::volume) fn new(bytes: &'a [u8]) -> Self {
         Self { bytes, position: 0 }
     }
 
     /// Offset of the next byte from the start of the file \[bytes\].
-    pub(super) fn offset(&self) -> u64 {
+    pub(in crate::volume) fn offset(&self) -> u64 {
         self.position as u64
     }
 
-    pub(super) fn remaining(&self) -> usize {
+    pub(in crate::volume) fn remaining(&self) -> usize {
         self.bytes.len() - self.position
     }
 
     /// A cursor over the same file that starts at `start` and cannot see beyond `end`.
-    pub(super) fn window(&self, start: u64, end: u64) -> Option<Self> {
+    pub(in crate::volume) fn window(&self, start: u64, end: u64) -> Option<Self> {
         let (start, end) = (usize::try_from(start).ok()?, usize::try_from(end).ok()?);
         let bytes = self.bytes.get(..end)?;
         (start <= end).then_some(Self {
@@ -35,7 +35,11 @@ impl<'a> Cursor<'a> {
     }
 
     /// The next `count` bytes; `what` names them in the error.
-    pub(super) fn take(&mut self, count: usize, what: &'static str) -> Result<&'a [u8], VdbError> {
+    pub(in crate::volume) fn take(
+        &mut self,
+        count: usize,
+        what: &'static str,
+    ) -> Result<&'a [u8], VdbError> {
         self.need(count as u64, what)?;
         let taken = &self.bytes[self.position..self.position + count];
         self.position += count;
@@ -43,7 +47,7 @@ impl<'a> Cursor<'a> {
     }
 
     /// Fails unless `count` bytes are left: asked before allocating for them.
-    pub(super) fn need(&self, count: u64, what: &'static str) -> Result<(), VdbError> {
+    pub(in crate::volume) fn need(&self, count: u64, what: &'static str) -> Result<(), VdbError> {
         let available = self.remaining() as u64;
         if count > available {
             return Err(VdbError::Truncated {
@@ -56,7 +60,7 @@ impl<'a> Cursor<'a> {
         Ok(())
     }
 
-    pub(super) fn array<const N: usize>(
+    pub(in crate::volume) fn array<const N: usize>(
         &mut self,
         what: &'static str,
     ) -> Result<[u8; N], VdbError> {
@@ -65,27 +69,27 @@ impl<'a> Cursor<'a> {
         Ok(out)
     }
 
-    pub(super) fn u8(&mut self, what: &'static str) -> Result<u8, VdbError> {
+    pub(in crate::volume) fn u8(&mut self, what: &'static str) -> Result<u8, VdbError> {
         Ok(self.array::<1>(what)?[0])
     }
 
-    pub(super) fn u32(&mut self, what: &'static str) -> Result<u32, VdbError> {
+    pub(in crate::volume) fn u32(&mut self, what: &'static str) -> Result<u32, VdbError> {
         Ok(u32::from_le_bytes(self.array(what)?))
     }
 
-    pub(super) fn i32(&mut self, what: &'static str) -> Result<i32, VdbError> {
+    pub(in crate::volume) fn i32(&mut self, what: &'static str) -> Result<i32, VdbError> {
         Ok(i32::from_le_bytes(self.array(what)?))
     }
 
-    pub(super) fn i64(&mut self, what: &'static str) -> Result<i64, VdbError> {
+    pub(in crate::volume) fn i64(&mut self, what: &'static str) -> Result<i64, VdbError> {
         Ok(i64::from_le_bytes(self.array(what)?))
     }
 
-    pub(super) fn f64(&mut self, what: &'static str) -> Result<f64, VdbError> {
+    pub(in crate::volume) fn f64(&mut self, what: &'static str) -> Result<f64, VdbError> {
         Ok(f64::from_le_bytes(self.array(what)?))
     }
 
-    pub(super) fn f64s<const N: usize>(
+    pub(in crate::volume) fn f64s<const N: usize>(
         &mut self,
         what: &'static str,
     ) -> Result<[f64; N], VdbError> {
@@ -97,18 +101,18 @@ impl<'a> Cursor<'a> {
         Ok(out)
     }
 
-    pub(super) fn i32x3(&mut self, what: &'static str) -> Result<[i32; 3], VdbError> {
+    pub(in crate::volume) fn i32x3(&mut self, what: &'static str) -> Result<[i32; 3], VdbError> {
         Ok([self.i32(what)?, self.i32(what)?, self.i32(what)?])
     }
 
     /// A string with its length in front. OpenVDB promises no encoding; what is not UTF-8 is replaced.
-    pub(super) fn string(&mut self, what: &'static str) -> Result<String, VdbError> {
+    pub(in crate::volume) fn string(&mut self, what: &'static str) -> Result<String, VdbError> {
         let length = self.u32(what)? as usize;
         let bytes = self.take(length, what)?;
         Ok(String::from_utf8_lossy(bytes).into_owned())
     }
 
-    pub(super) fn damaged(&self, what: impl Into<String>) -> VdbError {
+    pub(in crate::volume) fn damaged(&self, what: impl Into<String>) -> VdbError {
         VdbError::Damaged {
             offset: self.offset(),
             what: what.into(),
@@ -118,13 +122,13 @@ impl<'a> Cursor<'a> {
 
 /// Memory spent so far against [`Limits`].
 #[derive(Debug)]
-pub(super) struct Budget {
+pub(in crate::volume) struct Budget {
     used: u64,
     limit: u64,
 }
 
 impl Budget {
-    pub(super) fn new(limits: &Limits) -> Self {
+    pub(in crate::volume) fn new(limits: &Limits) -> Self {
         Self {
             used: 0,
             limit: limits.max_memory,
@@ -132,7 +136,11 @@ impl Budget {
     }
 
     /// Counts `bytes` more; fails before they are allocated.
-    pub(super) fn charge(&mut self, bytes: u64, what: &'static str) -> Result<(), VdbError> {
+    pub(in crate::volume) fn charge(
+        &mut self,
+        bytes: u64,
+        what: &'static str,
+    ) -> Result<(), VdbError> {
         let needed = self.used.saturating_add(bytes);
         if needed > self.limit {
             return Err(VdbError::Memory {
@@ -147,7 +155,7 @@ impl Budget {
 }
 
 /// `count` copies of a value; an error where the machine has not that much memory, whatever the limit.
-pub(super) fn filled<T: Copy>(
+pub(in crate::volume) fn filled<T: Copy>(
     value: T,
     count: u64,
     what: &'static str,

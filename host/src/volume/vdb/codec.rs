@@ -7,7 +7,7 @@ use flate2::{Decompress, FlushDecompress, Status};
 
 /// How the values of a grid are packed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Codec {
+pub(in crate::volume) enum Codec {
     Stored,
     Zip,
     Blosc,
@@ -15,14 +15,14 @@ pub(super) enum Codec {
 
 /// The compression flags that precede every grid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Compression {
-    pub(super) codec: Codec,
+pub(in crate::volume) struct Compression {
+    pub(in crate::volume) codec: Codec,
     /// Inactive values are left out where they can be told from the masks.
-    pub(super) active_mask: bool,
+    pub(in crate::volume) active_mask: bool,
 }
 
 impl Compression {
-    pub(super) fn read(cursor: &mut Cursor<'_>) -> Result<Self, VdbError> {
+    pub(in crate::volume) fn read(cursor: &mut Cursor<'_>) -> Result<Self, VdbError> {
         let flags = cursor.u32("the compression flags")?;
         if flags & !0b111 != 0 {
             return Err(VdbError::Unsupported {
@@ -46,7 +46,7 @@ impl Compression {
 }
 
 /// Reads one chunk of exactly `out.len()` bytes.
-pub(super) fn read_chunk(
+pub(in crate::volume) fn read_chunk(
     cursor: &mut Cursor<'_>,
     codec: Codec,
     out: &mut [u8],
@@ -83,7 +83,7 @@ pub(super) fn read_chunk(
 }
 
 /// Unfolds a zlib stream into exactly `out`: one byte more or less is an error, so a bomb costs nothing.
-pub(super) fn inflate(packed: &[u8], out: &mut [u8]) -> Result<(), String> {
+pub(in crate::volume) fn inflate(packed: &[u8], out: &mut [u8]) -> Result<(), String> {
     let mut stream = Decompress::new(true);
     let status = stream
         .decompress(packed, out, FlushDecompress::Finish)

@@ -1,6 +1,6 @@
-//! What can be wrong with an OpenVDB file, and what to do about it.
+//! What can be wrong with an OpenVDB or NanoVDB file, and what to do about it.
 
-/// Why an OpenVDB file, or one of its grids, cannot be read or used.
+/// Why an OpenVDB or NanoVDB file, or one of its grids, cannot be read or used.
 ///
 /// Offsets are bytes from the start of the file; inside a compressed chunk they name the chunk's first byte.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -15,6 +15,16 @@ pub enum VdbError {
         "OpenVDB format version {0} is not supported (222 to 225 are); load and save the file with a current OpenVDB"
     )]
     Version(u32),
+    /// The first eight bytes are not NanoVDB's.
+    #[error(
+        "not a NanoVDB file: the magic number is missing at byte 0; check that this is the file you meant"
+    )]
+    NotNanoVdb,
+    /// A version of NanoVDB whose layout this reader does not know: major and minor number.
+    #[error(
+        "NanoVDB version {0}.{1} is not supported (32.3 to 32.7 are); convert the volume again with a current NanoVDB"
+    )]
+    NanoVersion(u32, u32),
     /// Something is promised that lies beyond the end of the file (or of its grid).
     #[error(
         "{what} at byte {offset} needs {needed} bytes, only {available} are left: the file is truncated or damaged; \

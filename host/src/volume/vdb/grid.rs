@@ -21,8 +21,8 @@ pub struct Grid {
     pub metadata: Metadata,
     /// Place in the world.
     pub transform: Transform,
-    pub(super) voxels: Option<Arc<Voxels>>,
-    pub(super) reason: Option<String>,
+    pub(in crate::volume) voxels: Option<Arc<Voxels>>,
+    pub(in crate::volume) reason: Option<String>,
 }
 
 impl Grid {

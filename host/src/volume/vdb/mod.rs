@@ -25,20 +25,20 @@
 //! dynamic topology"; the layout of the file is documented by OpenVDB's implementation only.
 
 mod archive;
-mod blosc;
+pub(in crate::volume) mod blosc;
 mod blosclz;
-mod bytes;
-mod codec;
+pub(in crate::volume) mod bytes;
+pub(in crate::volume) mod codec;
 mod error;
-mod grid;
+pub(in crate::volume) mod grid;
 mod integral;
 mod metadata;
-mod transform;
-mod tree;
-mod tree_read;
-mod values;
+pub(in crate::volume) mod transform;
+pub(in crate::volume) mod tree;
+pub(in crate::volume) mod tree_read;
+pub(in crate::volume) mod values;
 mod visit;
-mod voxels;
+pub(in crate::volume) mod voxels;
 
 pub use error::VdbError;
 pub use grid::Grid;

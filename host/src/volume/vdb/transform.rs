@@ -57,6 +57,15 @@ impl Frustum {
 }
 
 impl Transform {
+    /// An affine map; `None` where it is singular or not finite.
+    pub(in crate::volume) fn of_affine(type_name: &str, forward: DAffine3) -> Option<Self> {
+        let (forward, inverse) = inverted(forward)?;
+        Some(Self {
+            type_name: type_name.to_owned(),
+            map: Map::Linear { forward, inverse },
+        })
+    }
+
     /// The 4×4 matrix from index to world space (column vectors), or `None` for a frustum, which is not linear.
     #[must_use]
     pub fn index_to_world(&self) -> Option<DMat4> {
@@ -94,17 +103,19 @@ impl Transform {
     }
 }
 
-/// A linear map and its inverse; refuses what is not finite or not invertible.
-fn invertible(cursor: &Cursor<'_>, forward: DAffine3) -> Result<(DAffine3, DAffine3), VdbError> {
+/// A linear map and its inverse; `None` where it is not finite or not invertible.
+fn inverted(forward: DAffine3) -> Option<(DAffine3, DAffine3)> {
     let columns = forward.matrix3;
     let volume = columns.x_axis.length() * columns.y_axis.length() * columns.z_axis.length();
     let determinant = columns.determinant().abs();
     let inverse = forward.inverse();
     // 1e-12: beyond that the axes are parallel to within the accuracy of the inverse.
-    if !(forward.is_finite() && inverse.is_finite() && determinant > 1e-12 * volume) {
-        return Err(cursor.damaged("the transform is singular or not finite"));
-    }
-    Ok((forward, inverse))
+    let sound = forward.is_finite() && inverse.is_finite() && determinant > 1e-12 * volume;
+    sound.then_some((forward, inverse))
+}
+
+fn invertible(cursor: &Cursor<'_>, forward: DAffine3) -> Result<(DAffine3, DAffine3), VdbError> {
+    inverted(forward).ok_or_else(|| cursor.damaged("the transform is singular or not finite"))
 }
 
 /// OpenVDB multiplies row vectors from the left, so its sixteen numbers read as our columns.
@@ -143,7 +154,7 @@ fn frustum(cursor: &mut Cursor<'_>) -> Result<Map, VdbError> {
 }
 
 /// Reads a transform: the name of its map, then the map.
-pub(super) fn read(cursor: &mut Cursor<'_>) -> Result<Transform, VdbError> {
+pub(in crate::volume) fn read(cursor: &mut Cursor<'_>) -> Result<Transform, VdbError> {
     const WHAT: &str = "a transform";
     let start = cursor.offset();
     let type_name = cursor.string("the name of a transform")?;

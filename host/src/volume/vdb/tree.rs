@@ -3,40 +3,40 @@
 use super::values::{Voxel, bit};
 
 /// log₂ of the voxels along one side of an entry: of the root, of an upper node, of a lower node.
-pub(super) const ROOT: u32 = 12;
-pub(super) const UPPER: u32 = 7;
-pub(super) const LOWER: u32 = 3;
+pub(in crate::volume) const ROOT: u32 = 12;
+pub(in crate::volume) const UPPER: u32 = 7;
+pub(in crate::volume) const LOWER: u32 = 3;
 /// Voxels of a leaf.
-pub(super) const LEAF_VOXELS: usize = 512;
+pub(in crate::volume) const LEAF_VOXELS: usize = 512;
 
 /// A node whose entries are tiles or children. Children of a node lie side by side, in the order of the mask's bits.
 #[derive(Debug)]
-pub(super) struct Internal<T> {
-    pub(super) children: Box<[u64]>,
+pub(in crate::volume) struct Internal<T> {
+    pub(in crate::volume) children: Box<[u64]>,
     /// Active tiles (never set where there is a child).
-    pub(super) active: Box<[u64]>,
-    pub(super) first_child: usize,
+    pub(in crate::volume) active: Box<[u64]>,
+    pub(in crate::volume) first_child: usize,
     /// Children before each word of the mask.
-    pub(super) rank: Box<[u16]>,
-    pub(super) tiles: Tiles<T>,
+    pub(in crate::volume) rank: Box<[u16]>,
+    pub(in crate::volume) tiles: Tiles<T>,
 }
 
 /// Tile values; most nodes have but one.
 #[derive(Debug)]
-pub(super) enum Tiles<T> {
+pub(in crate::volume) enum Tiles<T> {
     Uniform(T),
     Each(Box<[T]>),
 }
 
 impl<T: Voxel> Internal<T> {
-    pub(super) fn tile(&self, n: usize) -> T {
+    pub(in crate::volume) fn tile(&self, n: usize) -> T {
         match &self.tiles {
             Tiles::Uniform(value) => *value,
             Tiles::Each(values) => values[n],
         }
     }
 
-    pub(super) fn child(&self, n: usize) -> Option<usize> {
+    pub(in crate::volume) fn child(&self, n: usize) -> Option<usize> {
         if !bit(&self.children, n) {
             return None;
         }
@@ -46,31 +46,31 @@ impl<T: Voxel> Internal<T> {
 }
 
 #[derive(Debug)]
-pub(super) enum RootEntry<T> {
+pub(in crate::volume) enum RootEntry<T> {
     Tile { value: T, active: bool },
     Child(usize),
 }
 
 /// All values of a grid.
 #[derive(Debug)]
-pub(super) struct Tree<T> {
-    pub(super) background: T,
+pub(in crate::volume) struct Tree<T> {
+    pub(in crate::volume) background: T,
     /// Sorted by key = origin / 4096, without duplicates.
-    pub(super) root: Vec<([i32; 3], RootEntry<T>)>,
-    pub(super) upper: Vec<Internal<T>>,
-    pub(super) lower: Vec<Internal<T>>,
-    pub(super) leaf_masks: Vec<[u64; 8]>,
+    pub(in crate::volume) root: Vec<([i32; 3], RootEntry<T>)>,
+    pub(in crate::volume) upper: Vec<Internal<T>>,
+    pub(in crate::volume) lower: Vec<Internal<T>>,
+    pub(in crate::volume) leaf_masks: Vec<[u64; 8]>,
     /// 512 per leaf, z fastest.
-    pub(super) leaf_values: Vec<T>,
+    pub(in crate::volume) leaf_values: Vec<T>,
 }
 
 /// What the tree holds at a voxel.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Found<T> {
-    pub(super) value: T,
-    pub(super) active: bool,
+pub(in crate::volume) struct Found<T> {
+    pub(in crate::volume) value: T,
+    pub(in crate::volume) active: bool,
     /// The value holds in the whole aligned cube of 2^log2 voxels a side (0: just this voxel).
-    pub(super) log2: u32,
+    pub(in crate::volume) log2: u32,
 }
 
 /// Index of an entry in a node of 2^(3·bits) entries of side 2^log2.
@@ -81,23 +81,28 @@ fn entry(ijk: [i64; 3], log2: u32, bits: u32) -> usize {
 }
 
 /// Origin of entry `n` of a node at `origin`: the inverse of [`entry`].
-pub(super) fn entry_origin(origin: [i64; 3], n: usize, log2: u32, bits: u32) -> [i64; 3] {
+pub(in crate::volume) fn entry_origin(
+    origin: [i64; 3],
+    n: usize,
+    log2: u32,
+    bits: u32,
+) -> [i64; 3] {
     let mask = (1_usize << bits) - 1;
     let local = [n >> (2 * bits), n >> bits & mask, n & mask];
     std::array::from_fn(|a| origin[a] + ((local[a] as i64) << log2))
 }
 
-pub(super) fn root_origin(key: [i32; 3]) -> [i64; 3] {
+pub(in crate::volume) fn root_origin(key: [i32; 3]) -> [i64; 3] {
     key.map(|v| i64::from(v) << ROOT)
 }
 
 impl<T: Voxel> Tree<T> {
-    pub(super) fn leaf(&self, n: usize) -> &[T] {
+    pub(in crate::volume) fn leaf(&self, n: usize) -> &[T] {
         &self.leaf_values[n * LEAF_VOXELS..(n + 1) * LEAF_VOXELS]
     }
 
     /// Voxel, tile or background at an index coordinate; any coordinate is in the domain.
-    pub(super) fn find(&self, ijk: [i64; 3]) -> Found<T> {
+    pub(in crate::volume) fn find(&self, ijk: [i64; 3]) -> Found<T> {
         let found = |value, active, log2| Found {
             value,
             active,

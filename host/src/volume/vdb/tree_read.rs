@@ -9,7 +9,7 @@ const UPPER_ENTRIES: usize = 1 << 15;
 const LOWER_ENTRIES: usize = 1 << 12;
 
 /// Reads a tree; the cursor stands behind its last leaf afterwards.
-pub(super) fn read<T: Voxel>(
+pub(in crate::volume) fn read<T: Voxel>(
     cursor: &mut Cursor<'_>,
     budget: &mut Budget,
     values: &mut ValueReader,
@@ -86,6 +86,19 @@ fn internal<T: Voxel>(
 
     let mut tiles = vec![background; entries];
     values.read(cursor, &active, background, &mut tiles)?;
+    node(budget, children, active, tiles, background, first_child)
+}
+
+/// A node of masks and tiles; what lies at a child's place counts neither as a tile nor as active.
+pub(in crate::volume) fn node<T: Voxel>(
+    budget: &mut Budget,
+    children: Vec<u64>,
+    mut active: Vec<u64>,
+    tiles: Vec<T>,
+    background: T,
+    first_child: usize,
+) -> Result<Internal<T>, VdbError> {
+    let entries = tiles.len();
     for (active, children) in active.iter_mut().zip(&children) {
         *active &= !children;
     }

@@ -6,7 +6,9 @@ use super::codec::{Compression, read_chunk};
 use half::f16;
 
 /// A type that voxels may have.
-pub(super) trait Voxel: Copy + PartialEq + std::fmt::Debug + Send + Sync + 'static {
+pub(in crate::volume) trait Voxel:
+    Copy + PartialEq + std::fmt::Debug + Send + Sync + 'static
+{
     /// Size in a file \[bytes\].
     const SIZE: usize;
     /// 1 for scalars, 3 for vectors.
@@ -145,16 +147,16 @@ impl Voxel for f16 {
     }
 }
 
-pub(super) fn bit(words: &[u64], n: usize) -> bool {
+pub(in crate::volume) fn bit(words: &[u64], n: usize) -> bool {
     words[n >> 6] >> (n & 63) & 1 != 0
 }
 
-pub(super) fn count(words: &[u64]) -> usize {
+pub(in crate::volume) fn count(words: &[u64]) -> usize {
     words.iter().map(|word| word.count_ones() as usize).sum()
 }
 
 /// Reads a bit mask of `bits` entries, a multiple of 64.
-pub(super) fn read_mask(
+pub(in crate::volume) fn read_mask(
     cursor: &mut Cursor<'_>,
     bits: usize,
     out: &mut Vec<u64>,
@@ -167,7 +169,7 @@ pub(super) fn read_mask(
 
 /// What the values of one grid have in common, and scratch memory for reading them.
 #[derive(Debug)]
-pub(super) struct ValueReader {
+pub(in crate::volume) struct ValueReader {
     compression: Compression,
     half: bool,
     bytes: Vec<u8>,
@@ -175,7 +177,7 @@ pub(super) struct ValueReader {
 }
 
 impl ValueReader {
-    pub(super) fn new(compression: Compression, half: bool) -> Self {
+    pub(in crate::volume) fn new(compression: Compression, half: bool) -> Self {
         Self {
             compression,
             half,
@@ -186,7 +188,7 @@ impl ValueReader {
 
     /// Reads the values of one node into `out`, all of them, also those that the file leaves out because they are
     /// inactive. `active` is the node's value mask.
-    pub(super) fn read<T: Voxel>(
+    pub(in crate::volume) fn read<T: Voxel>(
         &mut self,
         cursor: &mut Cursor<'_>,
         active: &[u64],

@@ -12,10 +12,10 @@ use half::f16;
 /// Coordinates are in index space, where integers are voxel centres; every coordinate is in the domain. A scalar grid
 /// has one component, a vector grid three; methods without a component speak of the first.
 #[derive(Debug)]
-pub struct Voxels(pub(super) Typed);
+pub struct Voxels(pub(in crate::volume) Typed);
 
 #[derive(Debug)]
-pub(super) enum Typed {
+pub(in crate::volume) enum Typed {
     Float(Tree<f32>),
     Double(Tree<f64>),
     Half(Tree<f16>),

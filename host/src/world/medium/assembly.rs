@@ -1,5 +1,7 @@
 //! A scene's medium, read, checked and placed.
 
+use std::path::Path;
+
 use glam::{DAffine3, DVec3};
 use woodcock_core::path::{MediumRecord, RecordKind};
 
@@ -26,6 +28,29 @@ pub(in crate::world) struct Surroundings<'a> {
     pub(in crate::world) files: &'a dyn Files,
     /// What reading may cost.
     pub(in crate::world) limits: &'a Limits,
+}
+
+impl Surroundings<'_> {
+    /// What `parse` makes of a file and remarks on it; errors and remarks begin with the file's name.
+    fn read<T>(
+        &self,
+        name: &Path,
+        remarks: &mut Vec<String>,
+        parse: impl FnOnce(&[u8], &mut dyn FnMut(String)) -> Result<T, String>,
+    ) -> Result<T, String> {
+        let named = |why: String| format!("{}: {why}", name.display());
+        let bytes = self
+            .files
+            .read(name)
+            .map_err(|error| named(format!("cannot be read: {error}")))?;
+        parse(&bytes, &mut |remark| remarks.push(named(remark))).map_err(named)
+    }
+
+    /// The map from the rendered world to a space of a medium.
+    fn world_to(&self, medium: &NamedMedium, to_medium: DAffine3) -> Result<DAffine3, String> {
+        samples::inverse(medium, to_medium, self.origin)
+            .ok_or_else(|| "the medium's transform is singular".to_owned())
+    }
 }
 
 /// What fills a medium.
@@ -200,26 +225,37 @@ fn fill(
         }
         MediumKind::Cloud(cloud) => {
             check_cloud(cloud)?;
-            let to_medium = samples::inverse(medium, DAffine3::IDENTITY, around.origin)
-                .ok_or("the medium's transform is singular")?;
+            let to_medium = around.world_to(medium, DAffine3::IDENTITY)?;
             Filling::Cloud(CloudDensity::new(*cloud, to_medium)).into()
         }
         MediumKind::OpenVdb(vdb) => {
-            let mut read = || {
-                let bytes = around
-                    .files
-                    .read(&vdb.filename)
-                    .map_err(|error| format!("cannot be read: {error}"))?;
-                let temperature = temperature_grid(medium);
-                sources::openvdb(&bytes, &vdb.gridname, temperature, limits, |remark| {
-                    remarks.push(format!("{}: {remark}", vdb.filename.display()));
-                })
-            };
-            let grids = read().map_err(|why| format!("{}: {why}", vdb.filename.display()))?;
+            let temperature = temperature_grid(medium);
+            let grids = around.read(&vdb.filename, remarks, |bytes, remark| {
+                sources::openvdb(bytes, &vdb.gridname, temperature, limits, remark)
+            })?;
             return Ok(of_file(grids));
         }
-        MediumKind::NanoVdb(_) | MediumKind::Vol(_) => {
-            return Err("this kind of medium is not yet supported".to_owned());
+        MediumKind::NanoVdb(nano) => {
+            let temperature = temperature_grid(medium);
+            let grids = around.read(&nano.filename, remarks, |bytes, remark| {
+                sources::nanovdb(bytes, &nano.gridname, temperature, limits, remark)
+            })?;
+            return Ok(of_file(grids));
+        }
+        MediumKind::Vol(vol) => {
+            let density = around.read(&vol.filename, remarks, |bytes, _| {
+                sources::vol_density(bytes, limits)
+            })?;
+            let mut found = Found::from(Filling::Grid(density));
+            if let Some(name) = &vol.albedo {
+                let albedo = around.read(name, remarks, |bytes, _| {
+                    sources::vol_albedo(bytes, limits, |to_medium| {
+                        around.world_to(medium, to_medium)
+                    })
+                })?;
+                found.albedo = Some(albedo);
+            }
+            found
         }
     }))
 }
@@ -271,10 +307,7 @@ fn emission(
     temperature: Option<(Field<1>, DAffine3)>,
     around: &Surroundings<'_>,
 ) -> Result<Option<Emission>, String> {
-    let world_to = |to_medium: DAffine3| {
-        samples::inverse(medium, to_medium, around.origin)
-            .ok_or_else(|| "the medium's transform is singular".to_owned())
-    };
+    let world_to = |to_medium: DAffine3| around.world_to(medium, to_medium);
     let listed = |values: &[f32], beyond: f32| -> Result<Field<1>, String> {
         let cells = match &medium.kind {
             MediumKind::UniformGrid(grid) => CellBox::from(grid),

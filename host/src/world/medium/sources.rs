@@ -8,7 +8,8 @@ use super::details::Share;
 use super::field::{Beyond, Field};
 use super::samples::{Samples, padded};
 use crate::scene::{RgbGrid, UniformGrid};
-use crate::volume::{Limits, vdb};
+use crate::volume::vol::{self, VolGrid};
+use crate::volume::{Limits, nvdb, vdb};
 
 /// A box cut into cells with a sample at the centre of each.
 #[derive(Clone, Copy, Debug)]
@@ -208,6 +209,90 @@ pub(super) fn openvdb(
     let file = vdb::read_grids(bytes, limits, wanted).map_err(|error| error.to_string())?;
     let names = seen.into_inner();
     of_file(&file.grids, names, density, temperature, limits, remark)
+}
+
+/// Grids of a NanoVDB file.
+///
+/// * `remark`: told what a user may not expect.
+pub(super) fn nanovdb(
+    bytes: &[u8],
+    density: &str,
+    temperature: Option<&str>,
+    limits: &Limits,
+    remark: impl FnMut(String),
+) -> Result<FileGrids, String> {
+    let seen = RefCell::new(Vec::new());
+    let wanted = |grid: &str| {
+        seen.borrow_mut().push(format!("\"{grid}\""));
+        grid == density || Some(grid) == temperature
+    };
+    let file = nvdb::read_grids(bytes, limits, wanted).map_err(|error| error.to_string())?;
+    let names = seen.into_inner();
+    of_file(&file.grids, names, density, temperature, limits, remark)
+}
+
+impl From<&VolGrid> for CellBox {
+    /// Mitsuba's grids fill the unit cube.
+    fn from(grid: &VolGrid) -> Self {
+        Self {
+            resolution: grid.size,
+            p0: DVec3::ZERO,
+            p1: DVec3::ONE,
+        }
+    }
+}
+
+/// Reads a grid of Mitsuba's, of so many channels and with values up to a largest.
+fn mitsuba(
+    bytes: &[u8],
+    channels: usize,
+    largest: f32,
+    limits: &Limits,
+) -> Result<VolGrid, String> {
+    let grid = vol::read(bytes, limits).map_err(|error| error.to_string())?;
+    if grid.channels != channels {
+        return Err(format!(
+            "it has {} channel(s) where {channels} are needed",
+            grid.channels
+        ));
+    }
+    if let Some(n) = grid
+        .values
+        .iter()
+        .position(|v| !(0.0..=largest).contains(v))
+    {
+        let (voxel, value) = (n / channels, grid.values[n]);
+        let [nx, ny, _] = grid.size;
+        let (x, y, z) = (voxel % nx, voxel / nx % ny, voxel / nx / ny);
+        return Err(format!(
+            "voxel ({x}, {y}, {z}) is {value}: it must lie between 0 and {largest:e}"
+        ));
+    }
+    Ok(grid)
+}
+
+/// The density of a Mitsuba file: constant between the outermost samples and the faces of its box.
+pub(super) fn vol_density(bytes: &[u8], limits: &Limits) -> Result<Samples, String> {
+    let grid = mitsuba(bytes, 1, f32::MAX, limits)?;
+    CellBox::from(&grid).samples(limits, true, |index| {
+        Ok(index
+            .and_then(|i| grid.values.get(i))
+            .copied()
+            .unwrap_or(0.0))
+    })
+}
+
+/// Albedos by colour of a Mitsuba file.
+///
+/// * `world_to`: the map from the rendered world to a space of the medium.
+pub(super) fn vol_albedo(
+    bytes: &[u8],
+    limits: &Limits,
+    world_to: impl FnOnce(DAffine3) -> Result<DAffine3, String>,
+) -> Result<Field<3>, String> {
+    let grid = mitsuba(bytes, 3, 1.0, limits)?;
+    let (colours, _) = grid.values.as_chunks::<3>();
+    CellBox::from(&grid).field(colours.to_vec(), Beyond::Nearest, world_to)
 }
 
 /// Density and temperature among the grids of a file that has grids of these names.

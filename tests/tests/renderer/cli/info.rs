@@ -7,7 +7,10 @@ fn volumes(folder: &str) -> Vec<String> {
     let entries = std::fs::read_dir(data().join(folder)).expect("a folder");
     let mut paths: Vec<_> = entries
         .map(|e| e.expect("an entry").path())
-        .filter(|p| p.extension().is_some_and(|e| e == "vdb"))
+        .filter(|p| {
+            p.extension()
+                .is_some_and(|e| e == "vdb" || e == "nvdb" || e == "vol")
+        })
         .map(|p| p.to_string_lossy().into_owned())
         .collect();
     paths.sort();
@@ -19,7 +22,9 @@ fn every_volume_is_described_as_json_and_as_text() {
     let folder = Folder::new();
     let files = volumes("vdb");
     assert!(files.len() > 20, "{}", files.len());
-    for file in files {
+    let nano = volumes("nvdb");
+    assert!(nano.len() > 5, "{}", nano.len());
+    for file in files.into_iter().chain(nano) {
         let text = folder.done(&["info", &file, "--json"]).stdout;
         let info: Value = serde_json::from_str(&text).expect("JSON");
         let grids = info["grids"].as_array().expect("a list of grids");
@@ -38,7 +43,8 @@ fn every_volume_is_described_as_json_and_as_text() {
 #[test]
 fn malformed_volumes_are_described_or_refused() {
     let folder = Folder::new();
-    for file in volumes("malformed") {
+    let damaged = ["malformed", "malformed_nvdb", "vol"];
+    for file in damaged.into_iter().flat_map(volumes) {
         let run = folder.run(&["info", &file, "--json", "--max-memory", "1G"]);
         match run.code {
             Some(0) => drop(serde_json::from_str::<Value>(&run.stdout).expect("JSON")),

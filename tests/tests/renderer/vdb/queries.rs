@@ -206,8 +206,10 @@ fn info_answers_in_json() {
     assert!(one["grids"][0]["index_to_world"].is_null() && one["grids"][0]["ray"][0].is_null());
     let missing = info_json(&bytes("vdb/cloud_blosc.vdb"), &frustum).expect_err("no such grid");
     assert!(missing.to_string().contains("`density`"), "{missing}");
-    let other = info_json(b"NanoVDB0", &options).expect_err("not yet");
-    assert!(other.to_string().contains("not yet supported"), "{other}");
+    let other = info_json(b"NanoVDB0", &options).expect_err("eight bytes");
+    assert!(other.to_string().contains("truncated"), "{other}");
+    let image = info_json(&[0x76, 0x2f, 0x31, 0x01], &options).expect_err("an image");
+    assert!(image.to_string().contains("images"), "{image}");
 }
 
 #[test]
