@@ -198,6 +198,9 @@ impl Lights {
     ///
     /// `None` if there is no light, or the one chosen is dark from here. With a single light `u[0]` is not used; for
     /// lights in one direction or at a point `u[1]` and `u[2]` are not.
+    ///
+    /// * `u`: uniform in [0, 1), of 53 bits: each choice among many things, lights or pixels, takes its bits from one
+    ///   number. On a grid of 2⁻²⁴ a thing of probability 2⁻²² would be chosen up to a quarter too often or too seldom.
     pub fn sample(
         &self,
         surfaces: &Surfaces,
@@ -303,7 +306,8 @@ impl Lights {
     /// Chooses a light by its power, a place and a direction for light to set out: for paths from lights.
     ///
     /// The first number chooses, the next two are for the place, the others for the direction. Radiance times cosine
-    /// over all densities is bounded: surfaces send in proportion to the cosine, cones and pictures to their profile.
+    /// over all densities is bounded: surfaces send in proportion to the cosine, cones and pictures to their profile. Numbers
+    /// are of 53 bits, as those of [`sample`](Self::sample).
     pub fn emit(&self, surfaces: &Surfaces, u: [f64; 5]) -> Option<Departure> {
         let (light, _) = self.powers.choose(u[0])?;
         let source = self.sources.get(light)?;

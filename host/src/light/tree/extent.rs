@@ -94,6 +94,9 @@ impl Extent {
 /// A cone around two cones, each a unit axis and half its opening.
 fn cone_around(a: (DVec3, f64), b: (DVec3, f64)) -> (DVec3, f64) {
     let (wide, narrow) = if a.1 >= b.1 { (a, b) } else { (b, a) };
+    if wide.1 >= PI {
+        return wide;
+    }
     let cos = wide.0.dot(narrow.0);
     let across = narrow.0 - wide.0 * cos;
     let sin = across.length();

@@ -240,34 +240,46 @@ fn a_thousand_lights_sum_to_their_irradiance() {
     suite.finish();
 }
 
+/// Variance of the estimate of a sum of parts when one is chosen with given probabilities, over the sum squared.
+fn relative_variance(parts: &[f64], probability: impl Fn(u32) -> f64) -> f64 {
+    let sum: f64 = parts.iter().sum();
+    let squares = parts.iter().zip(0_u32..).filter(|(part, _)| **part > 0.0);
+    squares
+        .map(|(part, light)| part * part / probability(light))
+        .sum::<f64>()
+        / (sum * sum)
+        - 1.0
+}
+
 #[test]
 fn the_tree_spends_its_samples_where_the_light_is() {
-    // Against choosing by power alone: the variance of the estimate, for one seed of each.
+    // The exact variance, against that of a choice by power alone and of an even one.
     let mut rng = SplitMix::new(0x5231);
     let setting = Setting::new(many(1000, &mut rng));
-    let (lights, surfaces) = (setting.lights(), setting.surfaces());
-    let from = DVec3::new(0.2, 0.3, -0.4);
-    let tree = Sample::collect(1 << 14, |_| {
-        let sample = lights.sample(&surfaces, from, DVec3::Y, uniforms(&mut rng));
-        sample.map_or(0.0, |sample| weight(&sample, DVec3::Y))
-    });
-    let by_power: Sample = (0..1 << 14)
-        .map(|_| {
-            let at = rng.uniform();
-            let mut sum = 0.0;
-            let found = setting.scene.lights.iter().zip(0_u32..).find(|(_, index)| {
-                sum += lights.emission_choice(*index);
-                sum > at
-            });
-            found.map_or(0.0, |(light, index)| {
-                truth(light, from, DVec3::Y) / lights.emission_choice(index)
-            })
-        })
-        .collect();
-    let ratio = by_power.moments().variance() / tree.moments().variance();
+    let lights = setting.lights();
+    let (mut by_power, mut evenly, mut places) = (0.0, 0.0, 0.0);
+    for i in 0..100 {
+        let from = random_place(&mut rng, 6.0);
+        let normal = if i % 2 == 0 {
+            DVec3::ZERO
+        } else {
+            random_direction(&mut rng)
+        };
+        let of = |light| truth(light, from, normal);
+        let parts: Vec<f64> = setting.scene.lights.iter().map(of).collect();
+        if parts.iter().sum::<f64>() == 0.0 {
+            continue;
+        }
+        let tree = relative_variance(&parts, |light| lights.choice(light, from, normal));
+        let power = relative_variance(&parts, |light| lights.emission_choice(light));
+        by_power += (power / tree).ln();
+        evenly += (relative_variance(&parts, |_| 1e-3) / tree).ln();
+        places += 1.0;
+    }
+    let [by_power, evenly] = [by_power, evenly].map(|sum: f64| (sum / places).exp());
     assert!(
-        ratio > 1.9,
-        "variance by power over variance by tree: {ratio}"
+        places > 80.0 && by_power > 3.0 && evenly > 3.0,
+        "{places} {by_power} {evenly}"
     );
 }
 

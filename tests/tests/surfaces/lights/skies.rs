@@ -151,7 +151,11 @@ fn draws_follow_the_density() {
     };
     let mut suite = Mutants::new(
         "skies",
-        &["forgotten sine", "half a pixel off", "one bit short"],
+        &[
+            "forgotten sine",
+            "half a pixel off",
+            "numbers of three bits",
+        ],
     );
     let verdict = |counts: &[u64], value: &dyn Fn(u32, u32) -> f64| {
         ChiSquare::new(counts, &MAP.shares(value).0).verdict(0.08)
@@ -205,7 +209,11 @@ fn draws_follow_the_density() {
         back.transform_vector3(sample.expect("lit").direction)
             .normalize()
     });
-    suite.trial("chi-square", "one bit short", verdict(&counts, &dim));
+    suite.trial(
+        "chi-square",
+        "numbers of three bits",
+        verdict(&counts, &dim),
+    );
     suite.finish();
 }
 
