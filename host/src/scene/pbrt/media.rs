@@ -75,7 +75,7 @@ impl Reader<'_> {
         };
         let measured = match &kind {
             MediumKind::RgbGrid(_) => None,
-            _ => preset(params)?,
+            _ => preset(params, &mut self.diagnostics)?,
         };
         let scale = params
             .float("scale", "0 or more", |v| v >= 0.0)?

@@ -1,6 +1,7 @@
 //! Media by the name of a measured material.
 
 use super::super::SceneError;
+use super::diagnostics::Diagnostics;
 use super::params::Params;
 use super::suggest::nearest;
 
@@ -62,7 +63,10 @@ const MEASURED: [Measured; 47] = [
 /// The coefficients (absorption, scattering) of a `preset`; one length of the world is a millimetre before `scale`.
 ///
 /// Scattering is the reduced one, so that it goes with an isotropic phase function.
-pub(super) fn preset(params: &Params) -> Result<Option<[[f64; 3]; 2]>, SceneError> {
+pub(super) fn preset(
+    params: &Params,
+    diagnostics: &mut Diagnostics,
+) -> Result<Option<[[f64; 3]; 2]>, SceneError> {
     let Some(text) = params.string("preset")? else {
         return Ok(None);
     };
@@ -72,8 +76,9 @@ pub(super) fn preset(params: &Params) -> Result<Option<[[f64; 3]; 2]>, SceneErro
     }
     let names = MEASURED.map(|(name, ..)| name);
     let error = SceneError::at(&text.place, format!("unknown preset \"{}\"", text.text));
-    Err(match nearest(&text.text, names) {
+    diagnostics.refuse(match nearest(&text.text, names) {
         Some(near) => error.help(format!("did you mean \"{near}\"?")),
         None => error.help(format!("there are {}", names.join(", "))),
-    })
+    })?;
+    Ok(None)
 }
