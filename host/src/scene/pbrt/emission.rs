@@ -55,12 +55,12 @@ impl Reader<'_> {
                 let scale = scalar(params)?;
                 let name = params.string("temperaturename")?;
                 let float = [Type::Float];
-                let asked = scale.is_some()
-                    || name.is_some()
+                let asked = name.is_some()
                     || params.find("temperaturescale", &float)?.is_some()
-                    || params.find("temperatureoffset", &float)?.is_some();
+                    || params.find("temperatureoffset", &float)?.is_some()
+                    || (scale.is_some() && params.find("Le", &COLOURS)?.is_none());
                 emission.scale = scale.unwrap_or(1.0);
-                if asked && (name.is_some() || params.find("Le", &COLOURS)?.is_none()) {
+                if asked {
                     let name = name.map_or("temperature", |text| &text.text);
                     let values = TemperatureValues::Grid(name.to_owned());
                     emission.temperature = Some(temperature(params, values)?);

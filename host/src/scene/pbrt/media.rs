@@ -5,8 +5,10 @@ use super::super::{Place, SceneError};
 use super::diagnostics::Diagnostics;
 use super::directive::At;
 use super::grids::cloud;
+use super::param::Type;
 use super::params::Params;
 use super::phase::phase;
+use super::presets::preset;
 use super::reader::Reader;
 use super::state::affine;
 
@@ -71,19 +73,30 @@ impl Reader<'_> {
                 return Ok(None);
             }
         };
-        let instead = "give sigma_a and sigma_s";
-        params.unsupported("preset", instead, &mut self.diagnostics)?;
+        let measured = match &kind {
+            MediumKind::RgbGrid(_) => None,
+            _ => preset(params, &mut self.diagnostics)?,
+        };
         let scale = params
             .float("scale", "0 or more", |v| v >= 0.0)?
             .unwrap_or(1.0);
         let emission = self.medium_emission(params, &kind)?;
         let diagnostics = &mut self.diagnostics;
-        let mut sigma = |name| match &kind {
+        let mut sigma = |name, measured: Option<[f64; 3]>| match (&kind, measured) {
             // Its coefficients by place are in the grid.
-            MediumKind::RgbGrid(_) => scaled([1.0; 3], scale, name, params),
+            (MediumKind::RgbGrid(_), _) => scaled([1.0; 3], scale, name, params),
+            (_, Some(measured)) => {
+                let types = [Type::Rgb, Type::Spectrum];
+                if let Some(param) = params.find(name, &types)? {
+                    let message = format!("give either \"preset\" or \"{name}\"");
+                    return Err(SceneError::at(&param.declared, message));
+                }
+                scaled(measured, scale, name, params)
+            }
             _ => coefficient(params, name, scale, diagnostics),
         };
-        let (sigma_a, sigma_s) = (sigma("sigma_a")?, sigma("sigma_s")?);
+        let sigma_a = sigma("sigma_a", measured.map(|[a, _]| a))?;
+        let sigma_s = sigma("sigma_s", measured.map(|[_, s]| s))?;
         if emission.is_some() && sigma_a == [0.0; 3] {
             let message = format!("medium \"{name}\" shines only where it absorbs: nowhere");
             diagnostics.warn(SceneError::at(place, message));
@@ -93,6 +106,8 @@ impl Reader<'_> {
             diagnostics.warn(SceneError::at(place, message));
         }
         let phase = phase(params, diagnostics)?;
+        self.charge(params.copied(), &at.place)?;
+        let diagnostics = &mut self.diagnostics;
         params.finish(diagnostics)?;
         self.not_moving(&at.place)?;
         let [medium_to_world, _] = affine(&self.state.transforms[0], &at.place)?;

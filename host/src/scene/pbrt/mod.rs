@@ -25,6 +25,7 @@ mod params;
 mod phase;
 mod placing;
 mod points;
+mod presets;
 mod reader;
 mod shapes;
 mod spectra;

@@ -72,6 +72,7 @@ impl Reader<'_> {
                 });
             }
         };
+        self.charge(params.copied(), &at.place)?;
         self.not_moving(&at.place)?;
         let mut light = self.state.light.clone();
         if let Some(source) = light.as_ref().filter(|_| self.objects > 0) {

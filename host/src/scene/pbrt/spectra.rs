@@ -179,17 +179,18 @@ mod tests {
 
     #[test]
     fn metals_have_their_colours() {
-        // What spectral rendering of these metals under equal energy gives, from renderers' tables of F0.
+        // The reflectance by wavelength, projected afterwards (numerically, elsewhere): what spectral rendering would
+        // show. An index projected first comes within 4 %.
         let known = [
-            (COPPER, [0.955, 0.638, 0.538]),
-            (GOLD, [1.000, 0.782, 0.344]),
-            (SILVER, [0.972, 0.960, 0.915]),
-            (ALUMINIUM, [0.913, 0.922, 0.924]),
+            (COPPER, [0.912, 0.623, 0.518]),
+            (GOLD, [1.007, 0.733, 0.359]),
+            (SILVER, [0.989, 0.984, 0.978]),
+            (ALUMINIUM, [0.913, 0.921, 0.924]),
         ];
         for (metal, expected) in known {
             let found = reflectance(metal);
             for (f, e) in found.iter().zip(expected) {
-                assert!((f - e).abs() < 0.07, "{found:?} {expected:?}");
+                assert!((f - e).abs() < 0.04, "{found:?} {expected:?}");
             }
         }
     }

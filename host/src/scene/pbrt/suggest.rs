@@ -4,6 +4,8 @@ use super::super::{Place, SceneError};
 
 /// Most names listed.
 const SHOWN: usize = 40;
+/// Most names searched for one that is near.
+const MANY: usize = 2000;
 
 /// The candidate within a third of its length in edits, if any.
 pub(super) fn nearest<'a>(
@@ -29,10 +31,14 @@ pub(super) fn undefined<'a>(
     place: &Place,
     known: impl Iterator<Item = &'a str>,
 ) -> SceneError {
+    let error = SceneError::at(place, format!("{what} \"{name}\" is not defined"));
+    // A million names, looked through for each of a million mistakes, would take for ever.
+    if known.size_hint().0 > MANY {
+        return error;
+    }
     let mut known: Vec<&str> = known.collect();
     // Hash maps have no order of their own, messages should.
     known.sort_unstable();
-    let error = SceneError::at(place, format!("{what} \"{name}\" is not defined"));
     match nearest(name, known.iter().copied()) {
         Some(near) => error.help(format!("did you mean \"{near}\"?")),
         None if known.is_empty() => error.help(format!("the scene defines no {what}")),

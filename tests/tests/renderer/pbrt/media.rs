@@ -107,6 +107,21 @@ fn clouds_and_files() {
 }
 
 #[test]
+fn measured_materials_by_name() {
+    // Jensen and others 2001, table 2; per millimetre.
+    let scene = medium(r#""homogeneous" "string preset" "Marble" "float scale" 10"#);
+    let marble = only(&scene);
+    let near = |found: [f64; 3], table: [f64; 3]| {
+        found
+            .iter()
+            .zip(table)
+            .all(|(f, t)| (f - 10.0 * t).abs() < 1e-12)
+    };
+    assert!(near(marble.sigma_s, [2.19, 2.62, 3.00]));
+    assert!(near(marble.sigma_a, [0.0021, 0.0041, 0.0071]));
+}
+
+#[test]
 fn phase_functions_by_name() {
     let of = |parameters: &str| only(&medium(&format!("\"homogeneous\" {parameters}"))).phase;
     assert_eq!(of(""), Phase::Isotropic);

@@ -100,6 +100,18 @@ fn copies_are_bounded() {
         .expect_err("a thousand times 24 kB");
     assert!(error.to_string().starts_with("s.pbrt:3:"), "{error}");
     assert!(error.message().contains("copied"), "{error}");
+    // Vertices that are inherited by many shapes.
+    let shapes = "Shape \"trianglemesh\" ".repeat(1000);
+    let scene = format!(
+        "WorldBegin Attribute \"shape\" \"point3 P\" [{points}]
+        Attribute \"shape\" \"integer indices\" [0 1 2]\n{shapes}"
+    );
+    let files = MemoryFiles::new().with("s.pbrt", scene);
+    let error = read("s.pbrt".as_ref(), &files, &options)
+        .map(|_| ())
+        .expect_err("a thousand times 24 kB");
+    assert!(error.to_string().starts_with("s.pbrt:3:"), "{error}");
+    assert!(error.message().contains("copied"), "{error}");
     // Textures that double each other.
     let mut doubling =
         "WorldBegin Texture \"0\" \"spectrum\" \"imagemap\" \"string filename\" \"s.pbrt\"\n"

@@ -33,8 +33,13 @@ pub(super) const ERRORS: &[(&str, &str, &str)] = &[
         "",
     ),
     (
-        "MakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"string preset\" \"Skin1\"",
-        "1:49: parameter \"preset\" of medium \"m\" (homogeneous) is not yet supported",
+        "MakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"string preset\" \"Skin3\"",
+        "1:65: unknown preset \"Skin3\"",
+        "did you mean",
+    ),
+    (
+        "MakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"string preset\" \"Skin1\" \"rgb sigma_s\" [1 1 1]",
+        "1:73: give either \"preset\" or \"sigma_s\"",
         "",
     ),
     (
@@ -125,6 +130,11 @@ pub(super) const ERRORS: &[(&str, &str, &str)] = &[
     (
         "MakeNamedMedium \"m\" \"string type\" \"uniformgrid\" \"float density\" 1 \"float temperature\" 300 \"rgb Le\" [1 1 1]",
         "1:91: a medium has either \"Le\" or a temperature",
+        "",
+    ),
+    (
+        "MakeNamedMedium \"m\" \"string type\" \"openvdb\" \"string filename\" \"s.pbrt\" \"rgb Le\" [1 1 1] \"float temperaturescale\" 2",
+        "1:72: a medium has either \"Le\" or a temperature",
         "",
     ),
     (
