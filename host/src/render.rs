@@ -262,6 +262,17 @@ impl Job for Pass<'_> {
     }
 }
 
+/// What a function makes of each number below `count`, in their order, on as many threads as there are.
+pub(crate) fn map_all<T: Send>(count: u32, make: impl Fn(u32) -> T + Send + Sync) -> Vec<T> {
+    #[cfg(feature = "rayon")]
+    {
+        use rayon::prelude::*;
+        (0..count).into_par_iter().map(make).collect()
+    }
+    #[cfg(not(feature = "rayon"))]
+    (0..count).map(make).collect()
+}
+
 /// What a function makes of each tile of a film, in their order, on as many threads as there are.
 pub(crate) fn map_tiles<T: Send>(film: &Film, make: impl Fn(&Tile) -> T + Send + Sync) -> Vec<T> {
     #[cfg(feature = "rayon")]

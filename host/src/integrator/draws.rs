@@ -13,9 +13,12 @@ pub(crate) trait Draws: Stream<f32> + Stream<f64> {
     /// The null collisions of a segment are over.
     fn end_nulls(&mut self) {}
 
-    /// Uniform in [0, 1).
+    /// Uniform in [0, 1) on the grid k · 2⁻⁵³: choices among many lights, or rows of a picture near its poles, need more
+    /// than 24 bits. Two words.
     fn one(&mut self) -> f64 {
-        Stream::<f64>::uniform(self, true)
+        let mut word = || u64::from(Stream::<f64>::next_word(self, true).0);
+        let bits = word() << 21 | word() >> 11;
+        bits as f64 * (1.0 / 9_007_199_254_740_992.0)
     }
     /// Two of them.
     fn two(&mut self) -> [f64; 2] {

@@ -8,6 +8,7 @@ pub(crate) mod camera;
 mod canvas;
 mod draws;
 pub(crate) mod glow;
+mod mlt;
 mod next_event;
 mod pass;
 mod path;

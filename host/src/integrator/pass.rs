@@ -7,6 +7,7 @@ use woodcock_core::stream::{Key, PathStream};
 
 use super::bdpt::{self, Splat, Workspace};
 use super::canvas::Canvas;
+use super::mlt;
 use super::tracer::Tracer;
 use super::{Draws, Sample, Settings, path, transmittance};
 use crate::drive::Progress;
@@ -23,6 +24,8 @@ pub enum Integrator {
     Path,
     /// Bidirectional path tracing
     Bdpt,
+    /// Metropolis light transport over bidirectional paths
+    Mlt,
     /// Light that is scattered at most once
     Single,
     /// Light that is not scattered
@@ -31,7 +34,13 @@ pub enum Integrator {
 
 impl Integrator {
     /// All of them.
-    pub const ALL: [Self; 4] = [Self::Path, Self::Bdpt, Self::Single, Self::Transmittance];
+    pub const ALL: [Self; 5] = [
+        Self::Path,
+        Self::Bdpt,
+        Self::Mlt,
+        Self::Single,
+        Self::Transmittance,
+    ];
 
     /// The one of a name.
     pub fn named(name: &str) -> Option<Self> {
@@ -43,6 +52,7 @@ impl Integrator {
         match self {
             Self::Path => "path",
             Self::Bdpt => "bdpt",
+            Self::Mlt => "mlt",
             Self::Single => "single",
             Self::Transmittance => "transmittance",
         }
@@ -68,7 +78,7 @@ pub(crate) fn sample<D: Draws>(
     let settings = settings(plan);
     match plan.integrator {
         Integrator::Transmittance => transmittance::trace(tracer, film, draws),
-        Integrator::Bdpt => {
+        Integrator::Bdpt | Integrator::Mlt => {
             let mut room = Workspace::default();
             bdpt::trace(tracer, &settings, film, draws, &mut room, &mut Vec::new())
         }
@@ -84,10 +94,13 @@ pub fn render_pass(
     samples: Range<u32>,
     progress: &dyn Progress,
 ) -> Counts {
-    if plan.integrator == Integrator::Bdpt {
+    if matches!(plan.integrator, Integrator::Bdpt | Integrator::Mlt) {
         let mut counts = Counts::default();
         for sample in samples {
-            let pass = bidirectional(world, plan, film, sample);
+            let pass = match plan.integrator {
+                Integrator::Mlt => mlt::replicate(world, plan, film, sample),
+                _ => bidirectional(world, plan, film, sample),
+            };
             progress.advance(pass.paths);
             counts.add(&pass);
         }
@@ -177,7 +190,7 @@ fn harvest(world: &World, plan: &Plan, tile: &Tile, index: u32) -> Harvest {
 }
 
 /// The random numbers of a pixel's sample.
-fn stream(world: &World, plan: &Plan, [x, y]: [u32; 2], sample: u32) -> PathStream {
+pub(super) fn stream(world: &World, plan: &Plan, [x, y]: [u32; 2], sample: u32) -> PathStream {
     PathStream::new(Key {
         seed: plan.seed,
         pixel: y.wrapping_mul(world.resolution[0]).wrapping_add(x),

@@ -113,6 +113,7 @@ impl<'a> Running<'a> {
             direction: vec3(ray.direction),
         };
         let length = (to - from) as f32;
+        draws.end_nulls();
         let tables = &world.tables;
         let runner = match (description.cloud_field(tables), &description.record.kind) {
             (Some(cloud), _) => begin(cloud, &local, length, draws, Runner::Cloud),

@@ -17,14 +17,15 @@
 
 mod primary;
 
-use woodcock_core::path::{Counts, PathSample};
+use glam::DVec3;
+use woodcock_core::path::Counts;
 use woodcock_core::stream::{Key, PathStream};
 
 use self::primary::Primaries;
 use super::bdpt::{self, Splat, Workspace};
 use super::canvas::Canvas;
-use super::tracer::Tracer;
-use super::{Draws, Settings, Subpath, path};
+use super::tracer::{End, Tracer, Unseen};
+use super::{Draws, Settings, Subpath, camera};
 use crate::film::{Film, Window};
 use crate::light::discrete::Discrete;
 use crate::render::{Plan, map_all};
@@ -55,7 +56,8 @@ struct Walker<'a> {
     window: Window,
     /// Splats are for as many light paths as the whole picture has pixels.
     factor: f64,
-    broken: u64,
+    /// Pixels of paths that were not finite.
+    broken: Vec<[u32; 2]>,
 }
 
 impl<'a> Walker<'a> {
@@ -67,7 +69,7 @@ impl<'a> Walker<'a> {
             settings: super::pass::settings(plan),
             window,
             factor: width * height / window.pixels() as f64,
-            broken: 0,
+            broken: Vec::new(),
         }
     }
 
@@ -100,14 +102,14 @@ impl<'a> Walker<'a> {
             state.brightness = sum;
         } else {
             // Never stepped on.
-            self.broken += 1;
+            self.broken.push(film.map(|at| at as u32));
             state.brightness = 0.0;
         }
     }
 }
 
 /// The state that a key stands for.
-fn candidate(world: &World, plan: &Plan, number: u32, sample: u32) -> Primaries {
+fn candidate(plan: &Plan, number: u32, sample: u32) -> Primaries {
     let place = |salt: u64| Key {
         seed: plan.seed ^ salt,
         pixel: number,
@@ -117,4 +119,142 @@ fn candidate(world: &World, plan: &Plan, number: u32, sample: u32) -> Primaries 
         place(CANDIDATE).hash(),
         PathStream::new(place(CANDIDATE ^ CHAIN)),
     )
+}
+
+/// One sample of every pixel: a replicate of the picture, with as many steps as it has pixels.
+pub(super) fn replicate(world: &World, plan: &Plan, film: &mut Film, sample: u32) -> Counts {
+    let window = film.window();
+    let steps = u32::try_from(window.pixels()).unwrap_or(u32::MAX).max(1);
+    let chains = steps.div_ceil(STEPS);
+    let mut counts = Counts::default();
+    let mut canvas = Canvas::new(window);
+
+    let candidates = chains.saturating_mul(CANDIDATES);
+    let groups = map_all(chains, |chain| {
+        let mut walker = Walker::new(world, plan, window);
+        let mut state = State::default();
+        let brightness: Vec<f64> = (chain * CANDIDATES..(chain + 1) * CANDIDATES)
+            .map(|number| {
+                let mut primaries = candidate(plan, number, sample);
+                walker.evaluate(&mut primaries, &mut state);
+                state.brightness
+            })
+            .collect();
+        (brightness, walker.tracer.counts, walker.broken)
+    });
+    for (_, group, broken) in &groups {
+        counts.add(group);
+        broken.iter().for_each(|pixel| canvas.spoil(*pixel));
+    }
+    let candidates_by_brightness =
+        Discrete::new(groups.into_iter().flat_map(|(brightness, ..)| brightness));
+    let mean = candidates_by_brightness.total() / f64::from(candidates);
+
+    let light = map_all(chains, |chain| {
+        let mut start = PathStream::new(Key {
+            seed: plan.seed ^ CHAIN,
+            pixel: chain,
+            sample,
+        });
+        // Even strata of the candidates.
+        let u = (f64::from(chain) + start.one()) / f64::from(chains);
+        let Some((number, _)) = candidates_by_brightness.choose(u) else {
+            return Walk::default();
+        };
+        let length = steps.div_ceil(chains);
+        // Light for as many states as there are pixels, from as many as there are steps.
+        let weight = mean * f64::from(steps) / (f64::from(length) * f64::from(chains));
+        let mut walker = Walker::new(world, plan, window);
+        let mut primaries = candidate(plan, number as u32, sample);
+        walk(&mut walker, &mut primaries, &mut start, length, weight)
+    });
+    for walk in light {
+        counts.add(&walk.counts);
+        walk.broken.iter().for_each(|pixel| canvas.spoil(*pixel));
+        for (pixel, radiance) in walk.light {
+            canvas.add(pixel, radiance);
+        }
+    }
+    for (pixel, alpha) in covered(world, plan, film, sample) {
+        canvas.cover(pixel, alpha);
+    }
+    canvas.hand_over(film, sample);
+    counts
+}
+
+/// What a chain leaves.
+#[derive(Debug, Default)]
+struct Walk {
+    light: Vec<([u32; 2], [f32; 3])>,
+    counts: Counts,
+    broken: Vec<[u32; 2]>,
+}
+
+/// Steps of a chain from a state. Each leaves the light of both the state it came from and the one it tried, by the
+/// chances of either.
+fn walk(
+    walker: &mut Walker<'_>,
+    primaries: &mut Primaries,
+    choices: &mut PathStream,
+    length: u32,
+    weight: f64,
+) -> Walk {
+    let mut here = State::default();
+    let mut there = State::default();
+    walker.evaluate(primaries, &mut here);
+    let mut light = Vec::new();
+    let mut leave = |state: &State, share: f64| {
+        if share > 0.0 && state.brightness > 0.0 {
+            let factor = weight * share / state.brightness;
+            light.extend(state.splats.iter().map(|splat| {
+                let [x, y] = splat.film;
+                let radiance = (splat.radiance * factor).as_vec3().to_array();
+                ([x as u32, y as u32], radiance)
+            }));
+        }
+    };
+    // A state that is stayed at leaves its light once, when it is left.
+    let mut stayed = 0.0;
+    for _ in 0..length {
+        primaries.propose(choices.one() < LARGE);
+        walker.evaluate(primaries, &mut there);
+        let chance = (there.brightness / here.brightness).min(1.0);
+        let chance = if chance.is_nan() { 0.0 } else { chance };
+        stayed += 1.0 - chance;
+        if choices.one() < chance {
+            leave(&here, stayed);
+            stayed = chance;
+            primaries.accept();
+            std::mem::swap(&mut here, &mut there);
+        } else {
+            leave(&there, chance);
+            primaries.reject();
+        }
+    }
+    leave(&here, stayed);
+    Walk {
+        light,
+        counts: walker.tracer.counts,
+        broken: std::mem::take(&mut walker.broken),
+    }
+}
+
+/// How much of each pixel is covered: by one camera ray each.
+fn covered(world: &World, plan: &Plan, film: &Film, sample: u32) -> Vec<([u32; 2], f32)> {
+    let tiles = crate::render::map_tiles(film, |tile| {
+        let mut tracer = Tracer::new(world);
+        let Window { x0, y0, x1, y1 } = tile.window();
+        let pixels = (y0..y1).flat_map(|y| (x0..x1).map(move |x| [x, y]));
+        let alpha = pixels.map(|pixel| {
+            let mut draws = super::pass::stream(world, plan, pixel, sample);
+            let film = pixel.map(|at| f64::from(at) + draws.one());
+            let ray = camera::ray(world, film, &mut draws);
+            let mut throughput = DVec3::ONE;
+            let flight = tracer.fly(&ray, &mut throughput, &mut draws, &mut Unseen);
+            let covered = !matches!(flight.end, End::Escape);
+            (pixel, f32::from(u8::from(covered)))
+        });
+        alpha.collect::<Vec<_>>()
+    });
+    tiles.into_iter().flatten().collect()
 }

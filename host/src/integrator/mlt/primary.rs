@@ -14,7 +14,7 @@ use woodcock_core::stream::{Key, PathStream, Stream};
 use crate::integrator::{Draws, Subpath};
 
 /// Numbers that each vertex has of its own.
-const OWN: usize = 8;
+const OWN: usize = 16;
 
 /// A number, and what it was before the present proposal.
 #[derive(Clone, Copy, Debug, Default)]
@@ -39,6 +39,8 @@ pub(super) struct Primaries {
     old_large_step: u64,
     old_key: u64,
     large: bool,
+    /// The numbers that the present proposal asked for.
+    touched: Vec<(usize, usize)>,
     /// What steps are drawn from.
     moves: PathStream,
     cursor: Cursor,
@@ -66,6 +68,7 @@ impl Primaries {
             old_large_step: 1,
             old_key: key,
             large: false,
+            touched: Vec::new(),
             moves,
             cursor: Cursor {
                 subpath: Subpath::Camera,
@@ -77,14 +80,10 @@ impl Primaries {
         }
     }
 
-    /// What steps are drawn from.
-    pub(super) fn moves(&mut self) -> &mut PathStream {
-        &mut self.moves
-    }
-
     /// Begins a proposal.
     pub(super) fn propose(&mut self, large: bool) {
         self.step += 1;
+        self.touched.clear();
         self.large = large;
         self.old_key = self.key;
         self.old_large_step = self.large_step;
@@ -102,11 +101,10 @@ impl Primaries {
 
     /// Goes back.
     pub(super) fn reject(&mut self) {
-        for number in self.numbers.iter_mut().flatten() {
-            if number.step == self.step {
-                number.word = number.old_word;
-                number.step = number.old_step;
-            }
+        for (subpath, index) in self.touched.drain(..) {
+            let number = &mut self.numbers[subpath][index];
+            number.word = number.old_word;
+            number.step = number.old_step;
         }
         self.key = self.old_key;
         self.large_step = self.old_large_step;
@@ -148,7 +146,9 @@ impl Primaries {
             }
         }
         number.step = self.step;
-        number.word
+        let word = number.word;
+        self.touched.push((subpath, index));
+        word
     }
 }
 
@@ -217,7 +217,11 @@ mod tests {
 
     fn state(primaries: &mut Primaries) -> Vec<u32> {
         let mut words = Vec::new();
-        for (subpath, vertex) in [(Subpath::Camera, 0), (Subpath::Light, 3), (Subpath::Join, 1 << 16 | 5)] {
+        for (subpath, vertex) in [
+            (Subpath::Camera, 0),
+            (Subpath::Light, 3),
+            (Subpath::Join, 1 << 16 | 5),
+        ] {
             primaries.vertex(subpath, vertex);
             for _ in 0..OWN + 2 {
                 words.push(Stream::<f64>::next_word(primaries, true).0);
