@@ -38,10 +38,19 @@ impl Camera {
     /// Two draws, two more for a lens.
     #[inline(always)]
     pub fn ray<R: Real>(&self, x: R, y: R, rng: &mut impl Stream<R>, active: R::Mask) -> Ray<R> {
-        let [[x0, dx], [y0, dy]] = self.screen;
         let (u, v) = (rng.uniform(active), rng.uniform(active));
-        let sx = R::splat(x0) + R::splat(dx) * (x + u);
-        let sy = R::splat(y0) + R::splat(dy) * (y + v);
+        self.ray_through(x + u, y + v, || [rng.uniform(active), rng.uniform(active)])
+    }
+
+    /// The ray through a point of the film, in world space.
+    ///
+    /// * `x`, `y`: the point \[pixels from the upper left corner\], per lane.
+    /// * `lens`: asked for two uniform numbers if there is a lens.
+    #[inline(always)]
+    pub fn ray_through<R: Real>(&self, x: R, y: R, lens: impl FnOnce() -> [R; 2]) -> Ray<R> {
+        let [[x0, dx], [y0, dy]] = self.screen;
+        let sx = R::splat(x0) + R::splat(dx) * x;
+        let sy = R::splat(y0) + R::splat(dy) * y;
         let mut local = match self.projection {
             Projection::Perspective => Ray {
                 origin: Vec3::uniform(0.0),
@@ -53,7 +62,7 @@ impl Camera {
             },
         };
         if self.lens_radius > 0.0 {
-            let (u, v) = (rng.uniform(active), rng.uniform(active));
+            let [u, v] = lens();
             let radius = R::splat(self.lens_radius) * u.sqrt();
             let (sin, cos) = v.sin_cos_turn();
             // Directions have z = 1, so the plane in focus lies at t = focal distance.

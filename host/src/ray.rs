@@ -2,6 +2,8 @@
 
 use glam::DVec3;
 
+use crate::line::ROUNDING;
+
 /// A half-line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
@@ -42,10 +44,14 @@ impl Anchor {
 
     /// The place moved off its surface by the error bound, to the side that `direction` leads to.
     pub fn leave(&self, direction: DVec3) -> DVec3 {
+        self.step_off(direction, self.error)
+    }
+
+    fn step_off(&self, direction: DVec3, distance: f64) -> DVec3 {
         if self.normal.dot(direction) < 0.0 {
-            self.point - self.normal * self.error
+            self.point - self.normal * distance
         } else {
-            self.point + self.normal * self.error
+            self.point + self.normal * distance
         }
     }
 
@@ -58,10 +64,15 @@ impl Anchor {
     }
 
     /// The ray to another place, and its length. `None` where they coincide.
+    ///
+    /// It ends before a surface that it arrives at: by the error bound, and by what the rounding of its direction
+    /// adds up to on the way.
     pub fn ray_to(&self, other: &Self) -> Option<(Ray, f64)> {
         let towards = other.point - self.point;
         let origin = self.leave(towards);
-        let arrival = other.leave(-towards);
+        let size = self.point.abs().max(other.point.abs()).max_element();
+        let stray = 32.0 * ROUNDING * (size + towards.length());
+        let arrival = other.step_off(-towards, other.error + stray);
         let length = (arrival - origin).length();
         let direction = (arrival - origin) / length;
         (length > 0.0 && direction.is_finite()).then_some((Ray { origin, direction }, length))

@@ -12,6 +12,7 @@ use woodcock_packet::trace::{self, PathRequest};
 
 use crate::drive::Progress;
 use crate::film::{Film, Tile};
+use crate::integrator::{self, Integrator};
 use crate::world::{Feature, Location, World};
 
 /// Eight lanes or one. Both give the same bits.
@@ -30,6 +31,10 @@ pub enum Kernel {
 pub struct Plan {
     /// Lanes.
     pub kernel: Kernel,
+    /// Which paths are traced.
+    pub integrator: Integrator,
+    /// Bound on 1/r² of connections between subpaths, for the bidirectional integrators [1/length²].
+    pub connection_bound: Option<f64>,
     /// Seed of all random numbers.
     pub seed: u64,
     /// Shadow rays and depth.
@@ -51,16 +56,28 @@ impl Plan {
     pub fn new(
         world: &World,
         kernel: Kernel,
+        integrator: Integrator,
         seed: u64,
         shadow: ShadowEstimator,
         max_depth: Option<u32>,
     ) -> Self {
         let max_depth = max_depth.or(world.max_depth).unwrap_or(u32::MAX);
+        let max_depth = match integrator {
+            Integrator::Single => max_depth.min(1),
+            _ => max_depth,
+        };
         Self {
             kernel,
+            integrator,
+            connection_bound: None,
             seed,
             settings: Settings { max_depth, shadow },
         }
+    }
+
+    /// Whether the kernels of core and packet do it all; otherwise the scalar integrators do.
+    pub fn in_packets(&self, world: &World) -> bool {
+        world.is_plain() && matches!(self.integrator, Integrator::Path | Integrator::Single)
     }
 }
 
@@ -241,19 +258,38 @@ impl Job for Pass<'_> {
             self.progress.advance(counts.paths);
             counts
         };
-        let sum = |mut a: Counts, b: Counts| {
-            a.add(&b);
-            a
-        };
-        let tiles = self.film.tiles_mut();
-        #[cfg(feature = "rayon")]
-        {
-            use rayon::prelude::*;
-            tiles.par_iter_mut().map(tile).reduce(Counts::default, sum)
-        }
-        #[cfg(not(feature = "rayon"))]
-        tiles.iter_mut().map(tile).fold(Counts::default(), sum)
+        over_tiles(self.film, tile)
     }
+}
+
+/// What a function makes of each tile of a film, in their order, on as many threads as there are.
+pub(crate) fn map_tiles<T: Send>(film: &Film, make: impl Fn(&Tile) -> T + Send + Sync) -> Vec<T> {
+    #[cfg(feature = "rayon")]
+    {
+        use rayon::prelude::*;
+        film.tiles().par_iter().map(make).collect()
+    }
+    #[cfg(not(feature = "rayon"))]
+    film.tiles().iter().map(make).collect()
+}
+
+/// Works on all tiles of a film, on as many threads as there are, and adds up what was counted.
+pub(crate) fn over_tiles(
+    film: &mut Film,
+    tile: impl Fn(&mut Tile) -> Counts + Send + Sync,
+) -> Counts {
+    let sum = |mut a: Counts, b: Counts| {
+        a.add(&b);
+        a
+    };
+    let tiles = film.tiles_mut();
+    #[cfg(feature = "rayon")]
+    {
+        use rayon::prelude::*;
+        tiles.par_iter_mut().map(tile).reduce(Counts::default, sum)
+    }
+    #[cfg(not(feature = "rayon"))]
+    tiles.iter_mut().map(tile).fold(Counts::default(), sum)
 }
 
 /// The path of a pixel's sample.
@@ -326,6 +362,9 @@ pub fn render_pass(
     samples: Range<u32>,
     progress: &dyn Progress,
 ) -> Counts {
+    if !plan.in_packets(world) {
+        return integrator::render_pass(world, plan, film, samples, progress);
+    }
     with_kernel(
         world,
         plan,
@@ -365,6 +404,9 @@ impl Job for Replay {
 ///
 /// * `x`, `y`: a pixel of the whole picture. `sample`: which of its paths.
 pub fn replay(world: &World, plan: &Plan, x: u32, y: u32, sample: u32) -> (PathSample, Counts) {
+    if !plan.in_packets(world) {
+        return integrator::replay(world, plan, [x, y], sample);
+    }
     with_kernel(
         world,
         plan,

@@ -242,6 +242,7 @@ pub fn try_stage(
     let plan = Plan::new(
         &world,
         Kernel::Packet,
+        woodcock_host::integrator::Integrator::Path,
         crate::stats::seed(1),
         ShadowEstimator::Ratio,
         None,

@@ -19,6 +19,7 @@ pub mod scenes3d;
 pub mod single_scatter;
 pub mod slab_matched;
 pub mod slab_radiance;
+pub mod surfaces;
 pub mod transmittance;
 
 pub mod quadrature;

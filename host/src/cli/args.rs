@@ -3,6 +3,7 @@
 //! What a flag's name promises and this version cannot do is refused with a sentence, never ignored.
 
 use super::values::{self, Replay};
+pub use crate::integrator::Integrator;
 pub use crate::render::Kernel;
 use clap::error::ErrorKind;
 use clap::{Args, CommandFactory, Parser, Subcommand, ValueEnum};
@@ -84,8 +85,8 @@ pub struct RenderArgs {
     /// Threads; 0 for all. The image does not depend on it
     #[arg(short, long = "threads", visible_alias = "nthreads", value_name = "N")]
     pub threads: Option<usize>,
-    /// Integrator: path
-    #[arg(long, value_name = "NAME", value_parser = integrator)]
+    /// How light is transported; the scene's way if not given
+    #[arg(long, value_enum, value_name = "NAME")]
     pub integrator: Option<Integrator>,
     /// Transmittance estimator; chosen by the scene if not given
     #[arg(long, value_enum, value_name = "NAME")]
@@ -192,31 +193,6 @@ pub struct InfoArgs {
     /// Most memory, with K, M, G or T
     #[arg(long, value_name = "BYTES", value_parser = values::bytes)]
     pub max_memory: Option<u64>,
-}
-
-/// Integrators that work.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Integrator {
-    /// Volumetric path tracing with next-event estimation.
-    #[default]
-    Path,
-}
-
-impl Integrator {
-    /// Name on the command line and in reports.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Path => "path",
-        }
-    }
-}
-
-fn integrator(text: &str) -> Result<Integrator, String> {
-    match text {
-        "path" => Ok(Integrator::Path),
-        "bdpt" | "mlt" => Err("not yet supported; supported: path".to_owned()),
-        _ => Err("unknown; supported: path".to_owned()),
-    }
 }
 
 /// Transmittance estimators for shadow rays.

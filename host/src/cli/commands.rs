@@ -14,6 +14,7 @@ use crate::drive::{Goal, Watch, drive};
 use crate::film::Film;
 use crate::image::RenderMetadata;
 use crate::info::{InfoOptions, info_json, info_text};
+use crate::integrator::Integrator;
 use crate::render::{Kernel, Plan, kernel_name, render_pass, replay as replay_path};
 use crate::report::{Statistics, cpu_time};
 use crate::scene::{self, DiskFiles, Files, Scene, SceneError};
@@ -103,7 +104,10 @@ fn plan(args: &RenderArgs, scene: &Scene, world: &World) -> Result<(Plan, String
         Transmittance::Ratio | Transmittance::Closed => ShadowEstimator::Ratio,
     };
     let seed = args.seed.or(scene.seed).unwrap_or(0);
-    let plan = Plan::new(world, args.kernel, seed, shadow, args.max_depth);
+    let integrator = args
+        .integrator
+        .unwrap_or_else(|| Integrator::named(&scene.integrator.name).unwrap_or_default());
+    let plan = Plan::new(world, args.kernel, integrator, seed, shadow, args.max_depth);
     if plan.settings.max_depth == u32::MAX && world.is_endless() {
         let message = "a medium of albedo 1 fills all space: paths would never end";
         let error = SceneError::of_file("the scene", message);
@@ -202,7 +206,7 @@ fn render(
         metadata: RenderMetadata {
             seed: plan.seed,
             scene_hash: scene.source_hash,
-            integrator: scene.integrator.name.clone(),
+            integrator: plan.integrator.name().to_owned(),
             kernel: kernel.to_owned(),
             samples: outcome.samples.clone(),
             majorant_violations: counts.majorant_violations,
@@ -211,7 +215,7 @@ fn render(
         },
         statistics: Statistics {
             scene: name.clone(),
-            integrator: scene.integrator.name.clone(),
+            integrator: plan.integrator.name().to_owned(),
             kernel: kernel.to_owned(),
             seed: plan.seed,
             spp: outcome.samples.len() as u64,

@@ -4,17 +4,18 @@
 //! The crop window is the data window, the whole picture the display window; the chromaticities are those of Rec. 709.
 //! Pixel bits depend on the image alone; the order of attributes in the file may differ between runs.
 
-use super::{AttributeValue, Channel, Image};
+use super::part::read_part;
+use super::{AttributeValue, Image};
 use crate::film::Window;
 use exr::meta::MetaData;
 use exr::meta::attribute::{AttributeValue as ExrValue, Chromaticities, SampleType};
 use exr::meta::header::{ImageAttributes, LayerAttributes};
 use exr::prelude::{
     AnyChannel, AnyChannels, Blocks, Compression, Encoding, FlatSamples, IntegerBounds, Layer,
-    LineOrder, ReadChannels, ReadLayers, Text, Vec2, WritableImage, read,
+    LineOrder, Text, Vec2, WritableImage,
 };
 use std::collections::BTreeMap;
-use std::io::{Read, Seek, SeekFrom, Write};
+use std::io::{Read, Seek, Write};
 
 /// Why an image could not be written or read.
 #[derive(Debug, thiserror::Error)]
@@ -49,7 +50,7 @@ impl From<exr::error::Error> for ExrError {
 }
 
 /// Primaries and white point D65 of Rec. 709 (ITU-R BT.709-6, items 1.3 and 1.4), CIE xy.
-const REC_709: Chromaticities = Chromaticities {
+pub(super) const REC_709: Chromaticities = Chromaticities {
     red: Vec2(0.640, 0.330),
     green: Vec2(0.300, 0.600),
     blue: Vec2(0.150, 0.060),
@@ -142,73 +143,14 @@ fn text(text: &str) -> Result<Text, ExrError> {
 ///
 /// Memory is checked against `max_memory` bytes before pixels are read. Errors: [`ExrError`]; the bytes may be anything.
 /// A data window that does not start at or after the display window's corner cannot be placed and is an error.
-pub fn read_image(mut from: impl Read + Seek, max_memory: u64) -> Result<Image, ExrError> {
-    let start = from.stream_position()?;
-    let meta = MetaData::read_from_buffered(&mut from, false)?;
-    let [header] = meta.headers.as_slice() else {
-        let parts = meta.headers.len();
-        return Err(ExrError::Invalid(format!("it has {parts} parts, not one")));
-    };
-    let channels = header.channels.list.len() as u64;
-    let Vec2(width, height) = header.layer_size;
-    let needed = (width as u64)
-        .saturating_mul(height as u64)
-        .saturating_mul(4 * channels);
-    // The decoder holds its own copy beside ours.
-    if needed.saturating_mul(2) > max_memory {
-        return Err(ExrError::TooLarge {
-            needed: needed.saturating_mul(2),
-            limit: max_memory,
-        });
-    }
-    if let Some(channel) = header
-        .channels
-        .list
-        .iter()
-        .find(|c| c.sampling != Vec2(1, 1))
-    {
-        return Err(ExrError::Invalid(format!(
-            "channel {} is subsampled",
-            channel.name
-        )));
-    }
-    let (resolution, window) = windows(
-        header.shared_attributes.display_window,
-        header.data_window(),
-    )?;
-    from.seek(SeekFrom::Start(start))?;
-    let file = read()
-        .no_deep_data()
-        .largest_resolution_level()
-        .all_channels()
-        .first_valid_layer()
-        .all_attributes()
-        .non_parallel()
-        .from_buffered(from)?;
-    let layer = file.layer_data;
-    let channels = layer.channel_data.list.into_iter().map(|channel| Channel {
-        name: channel.name.to_string(),
-        values: match channel.sample_data {
-            FlatSamples::F32(values) => values,
-            other => other.values_as_f32().collect(),
-        },
-    });
-    let mut attributes = BTreeMap::new();
-    let others = layer.attributes.other.iter().chain(&file.attributes.other);
-    for (name, value) in others {
-        let value = match value {
-            ExrValue::I32(value) => AttributeValue::Int(*value),
-            ExrValue::F32(value) => AttributeValue::Float(*value),
-            ExrValue::Text(value) => AttributeValue::Text(value.to_string()),
-            _ => continue,
-        };
-        attributes.insert(name.to_string(), value);
-    }
+pub fn read_image(from: impl Read + Seek, max_memory: u64) -> Result<Image, ExrError> {
+    let part = read_part(from, max_memory)?;
+    let (resolution, window) = windows(part.display_window, part.data_window)?;
     Ok(Image {
         resolution,
         window,
-        channels: channels.collect(),
-        attributes,
+        channels: part.channels,
+        attributes: part.attributes,
     })
 }
 
@@ -251,6 +193,7 @@ pub fn sample_types(from: impl Read) -> Result<BTreeMap<String, &'static str>, E
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::image::Channel;
     use std::io::Cursor;
 
     fn image() -> Image {

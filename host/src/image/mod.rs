@@ -4,8 +4,11 @@
 
 pub mod exr;
 pub mod metadata;
+mod part;
 pub mod png;
 pub mod read;
+#[cfg(test)]
+mod read_tests;
 
 use crate::film::{Film, Window};
 use std::collections::BTreeMap;

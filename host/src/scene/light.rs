@@ -122,7 +122,8 @@ pub struct SpotLight {
 pub struct GoniometricLight {
     /// The file, resolved against the scene's directory; it existed when the scene was read.
     pub filename: PathBuf,
-    /// From the light's space to the world: its translation is the place, its rotation turns the picture.
+    /// From the picture's space to the world: its translation is the place, the rest turns the picture. pbrt's
+    /// exchange of y and z is worked in, so that it mirrors.
     pub light_to_world: DAffine3,
     /// Radiant intensity where the picture is one, per channel \[W/sr\], not negative. (pbrt's `power`
     /// needs the picture; then this is its share per unit of power and `power` is given.)

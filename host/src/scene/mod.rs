@@ -73,7 +73,7 @@ pub struct Scene {
     /// What was ignored or approximated, in file order.
     pub warnings: Vec<Warning>,
     /// FNV-1a over every byte of text and mesh that was read, in the order of reading. Volume files
-    /// are not included: they are named here, and read later.
+    /// and pictures are not included: they are named here, and read later.
     pub source_hash: u64,
 }
 

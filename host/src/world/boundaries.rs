@@ -187,7 +187,12 @@ impl Boundaries {
     }
 
     /// The stretches of a ray within media, sorted by where they begin.
-    fn stretches(&self, origin: DVec3, direction: DVec3, found: &mut Vec<(f64, f64, usize)>) {
+    pub(super) fn stretches(
+        &self,
+        origin: DVec3,
+        direction: DVec3,
+        found: &mut Vec<(f64, f64, usize)>,
+    ) {
         let crossings = self.crossings(origin, direction);
         let mut events = Vec::with_capacity(2 * crossings.len());
         for (boundary, sides) in self.sides.iter().enumerate() {

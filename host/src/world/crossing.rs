@@ -2,6 +2,8 @@
 
 use glam::DVec3;
 
+use crate::line::{Shear, cross_unit_sphere};
+
 /// A surface between media, in the world as rendered.
 #[derive(Clone, Debug)]
 pub(super) enum Surface {
@@ -67,13 +69,8 @@ pub(super) fn cross(
         Surface::Sphere(to_unit) => {
             let o = to_unit.transform_point3(origin);
             let d = to_unit.transform_vector3(direction);
-            let a = d.length_squared();
-            let closest = -o.dot(d) / a;
-            let foot = o + d * closest;
-            let half_squared = (1.0 - foot.length_squared()) / a;
-            if half_squared > 0.0 {
-                let half = half_squared.sqrt();
-                let ends = [(closest - half, true), (closest + half, false)];
+            if let Some([enter, leave]) = cross_unit_sphere(o, d) {
+                let ends = [(enter, true), (leave, false)];
                 crossings.extend(
                     ends.into_iter()
                         .filter(|end| end.0 > 0.0)
@@ -88,39 +85,13 @@ pub(super) fn cross(
     }
 }
 
-/// Watertight ray-triangle intersection after [Woop, Benthin, Wald 2013]: the triangle is sheared so that
-/// the ray runs along z, and edges are judged by signs that two triangles sharing them agree on.
+/// Where a ray crosses a triangle, and whether it does so against the normal.
 pub(super) fn cross_triangle(
     corners: &[DVec3; 3],
     origin: DVec3,
     direction: DVec3,
 ) -> Option<(f64, bool)> {
-    let size = direction.abs();
-    let kz = if size.x > size.y && size.x > size.z {
-        0
-    } else if size.y > size.z {
-        1
-    } else {
-        2
-    };
-    let (kx, ky) = ((kz + 1) % 3, (kz + 2) % 3);
-    let sz = 1.0 / direction[kz];
-    let (sx, sy) = (direction[kx] * sz, direction[ky] * sz);
-    let sheared = corners.map(|corner| {
-        let p = corner - origin;
-        (p[kx] - sx * p[kz], p[ky] - sy * p[kz], sz * p[kz])
-    });
-    let [a, b, c] = sheared;
-    let u = c.0 * b.1 - c.1 * b.0;
-    let v = a.0 * c.1 - a.1 * c.0;
-    let w = b.0 * a.1 - b.1 * a.0;
-    let any_negative = u < 0.0 || v < 0.0 || w < 0.0;
-    let any_positive = u > 0.0 || v > 0.0 || w > 0.0;
-    let determinant = u + v + w;
-    if (any_negative && any_positive) || determinant == 0.0 {
-        return None;
-    }
-    let t = (u * a.2 + v * b.2 + w * c.2) / determinant;
+    let t = Shear::new(direction).cross(corners, origin)?.t;
     let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
     (t > 0.0 && t.is_finite()).then(|| (t, normal.dot(direction) < 0.0))
 }

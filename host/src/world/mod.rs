@@ -3,6 +3,7 @@
 
 mod boundaries;
 mod crossing;
+mod extent;
 mod locate;
 mod medium;
 mod needs;
@@ -21,6 +22,15 @@ use glam::{DAffine3, DVec3};
 use woodcock_core::camera::{self, Camera};
 use woodcock_core::light::{Distant, Lights};
 use woodcock_core::path::{Convex, RECORD_WORDS};
+use woodcock_core::ray::{FAR, Ray as CoreRay};
+use woodcock_core::vec3::Vec3;
+
+use crate::bsdf::Materials;
+use crate::integrator::Stretch;
+use crate::integrator::glow::Glow;
+use crate::light::Lights as Lighting;
+use crate::ray::Ray;
+use crate::surface::Surfaces;
 
 use crate::film::Window;
 use crate::scene::{
@@ -68,6 +78,16 @@ pub struct World {
     pub max_depth: Option<u32>,
     /// What the user should know.
     pub warnings: Vec<Warning>,
+    /// Surfaces with matter or light.
+    pub surfaces: Surfaces,
+    /// What they are made of.
+    pub materials: Materials,
+    /// All lights but media, as scalar integrators sample them.
+    pub lighting: Lighting,
+    /// Media that shine, as lights.
+    pub(crate) glow: Option<Glow>,
+    /// What packets cannot do about the scene, if anything.
+    scalar: Option<String>,
     /// The diameter of what bounds the media \[length\]; infinite where one fills space.
     extent: f64,
     /// The camera may be inside one.
@@ -88,6 +108,50 @@ pub struct Options {
 }
 
 impl World {
+    /// Whether the kernels of packets can render it.
+    pub fn is_plain(&self) -> bool {
+        self.scalar.is_none()
+    }
+
+    /// Probability with which light sampling chooses media that shine.
+    pub(crate) fn glow_choice(&self) -> f64 {
+        self.glow.as_ref().map_or(0.0, Glow::choice)
+    }
+
+    /// The stretches of a ray within media up to `t_max`, sorted by where they begin.
+    pub(crate) fn stretches(&self, ray: &Ray, t_max: f64, found: &mut Vec<Stretch>) {
+        found.clear();
+        match &self.place {
+            Location::Nowhere => {}
+            Location::Convex(convex) => {
+                let vec3 = |v: DVec3| Vec3::new(v.x, v.y, v.z);
+                let interval = convex.clip(&CoreRay::<f64> {
+                    origin: vec3(ray.origin),
+                    direction: vec3(ray.direction),
+                });
+                found.push((interval.t0, interval.t1, 0));
+            }
+            Location::Boundaries(boundaries) => {
+                boundaries.stretches(ray.origin, ray.direction, found);
+            }
+        }
+        for stretch in &mut *found {
+            stretch.1 = stretch.1.min(t_max).min(f64::from(FAR));
+        }
+        found.retain(|stretch| stretch.0 < stretch.1);
+    }
+
+    /// Whether a place lies within a medium.
+    pub(crate) fn is_within(&self, medium: usize, place: DVec3) -> bool {
+        let mut found = Vec::new();
+        let ray = Ray {
+            origin: place,
+            direction: DVec3::X,
+        };
+        self.stretches(&ray, f64::INFINITY, &mut found);
+        found.iter().any(|s| s.2 == medium && s.0 <= 0.0)
+    }
+
     /// The lights as kernels see them.
     pub fn lights(&self) -> Lights<'_> {
         Lights {
@@ -120,34 +184,6 @@ fn exterior(place: &Location) -> Option<usize> {
         Location::Convex(Convex::Everywhere) => Some(0),
         Location::Boundaries(boundaries) => boundaries.exterior(),
         _ => None,
-    }
-}
-
-/// The diameter of all boundaries together \[length\].
-fn diameter(scene: &Scene) -> f64 {
-    let mut low = DVec3::INFINITY;
-    let mut high = DVec3::NEG_INFINITY;
-    let mut add = |p: DVec3| {
-        low = low.min(p);
-        high = high.max(p);
-    };
-    for boundary in &scene.boundaries {
-        match &boundary.shape {
-            Enclosure::Sphere(sphere) => {
-                let map = &sphere.object_to_world;
-                for axis in 0..3 {
-                    let reach = map.matrix3.col(axis) * sphere.radius * 3.0_f64.sqrt();
-                    add(map.translation + reach);
-                    add(map.translation - reach);
-                }
-            }
-            Enclosure::TriangleMesh(mesh) => mesh.positions.iter().copied().for_each(&mut add),
-        }
-    }
-    if low.is_finite() {
-        (high - low).length()
-    } else {
-        f64::INFINITY
     }
 }
 
@@ -229,6 +265,13 @@ pub fn assemble(scene: &Scene, files: &dyn Files, options: &Options) -> Result<W
     };
     needs.decide(Feature::Lens, lens, keep, reason);
 
+    let surfaces = Surfaces::new(scene, origin)?;
+    let materials = Materials::new(&scene.materials, files, &options.limits)?;
+    let bounds = extent::bounds(scene, &surfaces, &assembled.media, origin);
+    let lighting = Lighting::new(scene, &surfaces, bounds, origin, files, &options.limits)?;
+    let alone = lighting.is_empty();
+    let glow = Glow::new(&assembled.media, &assembled.tables, alone);
+    let scalar = not_in_packets(scene, &assembled, &surfaces);
     let (distant, environment) = lights(scene)?;
     let records = assembled
         .media
@@ -239,7 +282,7 @@ pub fn assemble(scene: &Scene, files: &dyn Files, options: &Options) -> Result<W
     let extent = if exterior(&place).is_some() {
         f64::INFINITY
     } else {
-        diameter(scene)
+        extent::diameter(scene)
     };
     Ok(World {
         extent,
@@ -256,7 +299,30 @@ pub fn assemble(scene: &Scene, files: &dyn Files, options: &Options) -> Result<W
         needs,
         max_depth: scene.integrator.max_depth,
         warnings,
+        surfaces,
+        materials,
+        lighting,
+        glow,
+        scalar,
     })
+}
+
+/// What the kernels of packets cannot do about a scene, if anything.
+fn not_in_packets(scene: &Scene, assembled: &Assembled, surfaces: &Surfaces) -> Option<String> {
+    if !surfaces.is_empty() {
+        return Some("surfaces".to_owned());
+    }
+    let light = scene.lights.iter().find_map(|light| match light {
+        Light::Distant(_) | Light::Constant(_) => None,
+        Light::Image(_) => Some("an environment with a picture"),
+        Light::Point(_) => Some("a point light"),
+        Light::Spot(_) => Some("a spot light"),
+        Light::Goniometric(_) => Some("a goniometric light"),
+    });
+    let medium = assembled.media.iter().any(|medium| !medium.is_plain());
+    light
+        .or(medium.then_some("a medium that shines, or of several colours"))
+        .map(str::to_owned)
 }
 
 /// Size of the picture, and the part of it to render.

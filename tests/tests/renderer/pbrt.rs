@@ -4,11 +4,15 @@ use std::path::Path;
 
 use glam::DVec3;
 use woodcock_host::scene::{
-    Light, MediumKind, MemoryFiles, Options, Phase, Projection, Scene, SceneError, Shape, read,
+    Enclosure, MaterialKind, MediumKind, MemoryFiles, Options, Phase, Projection, Scene,
+    SceneError, Texture, read,
 };
 
-const CUBE: &str = r#""point3 P" [ 0 0 0  1 0 0  1 1 0  0 1 0   0 0 1  1 0 1  1 1 1  0 1 1 ]
-    "integer indices" [ 0 2 1  0 3 2  4 5 6  4 6 7  0 1 5  0 5 4  3 7 6  3 6 2  0 4 7  0 7 3  1 2 6  1 6 5 ]"#;
+mod lights;
+mod materials;
+mod media;
+mod objects;
+mod shapes;
 
 fn read_with(files: MemoryFiles, lenient: bool) -> Result<Scene, SceneError> {
     let options = Options {
@@ -40,8 +44,20 @@ fn near(a: DVec3, b: [f64; 3]) -> bool {
 /// The centre of the `i`th boundary, a sphere.
 fn centre(scene: &Scene, i: usize) -> DVec3 {
     match &scene.boundaries[i].shape {
-        Shape::Sphere(sphere) => sphere.object_to_world.transform_point3(DVec3::ZERO),
-        Shape::TriangleMesh(_) => panic!("not a sphere"),
+        Enclosure::Sphere(sphere) => sphere.object_to_world.transform_point3(DVec3::ZERO),
+        Enclosure::TriangleMesh(_) => panic!("not a sphere"),
+    }
+}
+
+/// A world with files beside it, all of them empty.
+fn world_with(names: &[&str], text: &str) -> Scene {
+    let scene = MemoryFiles::new().with("s.pbrt", format!("WorldBegin\n{text}"));
+    let files = names
+        .iter()
+        .fold(scene, |files, name| files.with(*name, ""));
+    match read_with(files, false) {
+        Ok(scene) => scene,
+        Err(error) => panic!("{}", error.report()),
     }
 }
 
@@ -169,8 +185,8 @@ fn attributes_save_everything_and_apply_behind_what_is_given() {
         MakeNamedMedium "b" "string type" "homogeneous""#,
     );
     let radius = |i: usize| match &scene.boundaries[i].shape {
-        Shape::Sphere(sphere) => sphere.radius,
-        Shape::TriangleMesh(_) => panic!("not a sphere"),
+        Enclosure::Sphere(sphere) => sphere.radius,
+        Enclosure::TriangleMesh(_) => panic!("not a sphere"),
     };
     assert_eq!([radius(0), radius(1), radius(2)], [3.0, 2.0, 1.0]);
     let name = |id| scene.medium(id).map_or("", |m| m.name.as_str());
@@ -196,87 +212,69 @@ fn the_camera_takes_the_outside_medium() {
 }
 
 #[test]
-fn triangles_face_outside_under_mirrors_and_normals() {
-    let volume = |text: &str| -> f64 {
-        let scene = world(&format!(
-            "Material \"interface\" MakeNamedMedium \"m\" \"string type\" \"homogeneous\"
-             MediumInterface \"m\" \"\" {text}"
-        ));
-        let Shape::TriangleMesh(mesh) = &scene.boundaries[0].shape else {
-            panic!("not a mesh");
-        };
-        let tetrahedron = |t: &[u32; 3]| {
-            let [a, b, c] = t.map(|i| mesh.positions[i as usize]);
-            a.dot(b.cross(c)) / 6.0
-        };
-        mesh.indices.iter().map(tetrahedron).sum()
-    };
-    let cube = format!("Shape \"trianglemesh\" {CUBE}");
-    assert!((volume(&cube) - 1.0).abs() < 1e-12);
-    assert!((volume(&format!("Scale -1 2 1 {cube}")) - 2.0).abs() < 1e-12);
-    let normals = "-1 -1 -1  1 -1 -1  1 1 -1  -1 1 -1   -1 -1 1  1 -1 1  1 1 1  -1 1 1";
-    let swapped = cube.replace("0 2 1  0 3 2", "0 1 2  0 2 3");
-    let decided = format!("{swapped} \"normal N\" [ {normals} ]");
-    assert!((volume(&decided) - 1.0).abs() < 1e-12);
+fn integrators_by_their_names() {
+    for (given, ours, warnings) in [
+        ("volpath", "path", 0),
+        ("simplevolpath", "path", 0),
+        ("path", "path", 1),
+        ("simplepath", "path", 1),
+        ("bdpt", "bdpt", 0),
+        ("mlt", "mlt", 0),
+        ("single", "single", 0),
+        ("transmittance", "transmittance", 0),
+    ] {
+        let options =
+            "\"integer maxdepth\" 7 \"string lightsampler\" \"power\" \"bool regularize\" false";
+        let scene = good(&format!("Integrator \"{given}\" {options} WorldBegin"));
+        assert_eq!(
+            (scene.integrator.name.as_str(), scene.integrator.max_depth),
+            (ours, Some(7))
+        );
+        assert_eq!(scene.warnings.len(), warnings, "{given}");
+    }
+    let scene = good(
+        r#"Integrator "mlt" "integer bootstrapsamples" 10 "integer chains" 5 "integer mutationsperpixel" 100
+        "float largestepprobability" .3 "float sigma" .01 WorldBegin"#,
+    );
+    assert_eq!(scene.integrator.max_depth, None);
+    assert_eq!(scene.warnings.len(), 5);
 }
 
 #[test]
-fn lights_shine_from_from_to_to() {
-    let scene = world(
-        r#"AttributeBegin Rotate 90 0 0 1
-        LightSource "distant" "point3 from" [5 0 0] "point3 to" [2 0 0] "rgb L" [1 2 3] "float scale" 2
-        AttributeEnd
-        LightSource "distant" "float illuminance" 10
-        LightSource "infinite" "rgb L" [.5 .25 1] "float scale" 4
-        LightSource "infinite" "float illuminance" 3.14159265358979
-        LightSource "infinite" "spectrum L" "stdillum-D65" "float scale" 3
-        LightSource "infinite" "blackbody L" 6504"#,
+fn places_outlive_large_files() {
+    // Beyond a mebibyte the text goes, but every place still says where it was.
+    let padding = format!("#{}\n", " ".repeat(1 << 21));
+    let text = format!(
+        "WorldBegin\n{padding}Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"s.pbrt\"
+        Material \"diffuse\" \"texture reflectance\" \"t\"\n Shape \"sphere\" ObjectBegin \"o\" Shape \"sphere\" ObjectEnd
+        ObjectInstance \"o\" LightSource \"point\" MakeNamedMedium \"m\" \"string type\" \"homogeneous\""
     );
-    let Light::Distant(sun) = &scene.lights[0] else {
-        panic!("distant");
+    let scene = good(&text);
+    let Some(material) = scene.materials.first() else {
+        panic!("a material")
     };
-    assert!(near(sun.direction_to_light, [0.0, 1.0, 0.0]));
-    assert_eq!(sun.irradiance, [2.0, 4.0, 6.0]);
-    let Light::Distant(plain) = &scene.lights[1] else {
-        panic!("distant");
-    };
-    assert_eq!(
-        plain.direction_to_light,
-        DVec3::NEG_Z,
-        "from the origin to +z"
-    );
-    assert_eq!(plain.irradiance, [10.0; 3]);
-    let radiance = |i: usize| match &scene.lights[i] {
-        Light::Constant(light) => light.radiance,
-        Light::Distant(_) => panic!("constant"),
-    };
-    assert_eq!(radiance(2), [2.0, 1.0, 4.0]);
-    assert!(radiance(3).iter().all(|c| (c - 1.0).abs() < 1e-9));
-    assert_eq!(radiance(4), [3.0; 3]);
-    assert!(radiance(5).iter().all(|c| (c - 1.0).abs() < 0.1));
-    assert_eq!(scene.warnings.len(), 1, "the black body is projected");
-}
-
-#[test]
-fn grids_are_x_fastest_in_their_own_box() {
-    let scene = world(
-        r#"Translate 1 0 0 MakeNamedMedium "g" "string type" "uniformgrid"
-        "integer nx" 3 "integer ny" 2 "integer nz" 1 "float density" [0 1 2 3 4 5]
-        "point3 p0" [1 1 1] "point3 p1" [-1 0 0] "spectrum sigma_s" [200 10 900 10]"#,
-    );
-    let medium = &scene.media[0];
-    let MediumKind::UniformGrid(grid) = &medium.kind else {
-        panic!("a grid");
-    };
-    assert_eq!(grid.resolution, [3, 2, 1]);
-    assert_eq!(grid.density, [0.0, 1.0, 2.0, 3.0, 4.0, 5.0]);
-    assert_eq!((grid.p0, grid.p1), (DVec3::new(-1.0, 0.0, 0.0), DVec3::ONE));
-    assert_eq!(
-        medium.sigma_s, [10.0; 3],
-        "a constant spectrum is exactly grey"
-    );
-    assert_eq!(medium.medium_to_world.translation, DVec3::X);
-    assert!(scene.warnings.is_empty());
+    let mut places = vec![
+        &material.place,
+        &scene.surfaces[0].place,
+        &scene.objects[0].surfaces[0].place,
+        &scene.instances[0].place,
+        scene.lights[0].place(),
+        &scene.media[0].place,
+    ];
+    match &material.kind {
+        MaterialKind::Diffuse {
+            reflectance: Texture::Image(image),
+        } => places.push(&image.place),
+        other => panic!("{other:?}"),
+    }
+    let lines = [4, 5, 5, 6, 6, 6, 3];
+    for (place, line) in places.into_iter().zip(lines) {
+        assert!(place.source().bytes().len() < 1 << 10, "{place}");
+        assert!(
+            place.to_string().starts_with(&format!("s.pbrt:{line}:")),
+            "{place}"
+        );
+    }
 }
 
 #[test]

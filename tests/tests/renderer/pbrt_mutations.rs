@@ -34,18 +34,33 @@ AttributeBegin Attribute "light" "float scale" 2 LightSource "distant" "point3 f
     Shape "plymesh" "string filename" "t.ply" AttributeEnd TransformBegin TransformEnd
 MakeNamedMaterial "i" "string type" "interface" NamedMaterial "i" MediumInterface "v" Shape "sphere"
 Include "b.pbrt" Import "b.pbrt"
+MakeNamedMedium "r" "string type" "rgbgrid" "rgb sigma_a" [1 2 3] "rgb Le" [1 1 1] "float Lescale" 2
+MakeNamedMedium "c" "string type" "cloud" "float density" 2 "string phase" "twolobe" "float g" .5 "float g2" -.5 "float share" 1
+MakeNamedMedium "n" "string type" "nanovdb" "string filename" "a.vdb" "float Lescale" 3 "float temperaturescale" 4
+MakeNamedMedium "w" "string type" "vol" "string filename" "a.vdb" "string phase" "droplets" "float diameter" 9
+Texture "f" "float" "constant" "float value" .3 Texture "a" "spectrum" "imagemap" "string filename" "x.png" "string wrap" "clamp"
+Texture "b" "spectrum" "scale" "texture tex" "a" "texture scale" "f" Material "diffuse" "texture reflectance" "b"
+AttributeBegin AreaLightSource "diffuse" "rgb L" [1 2 3] "bool twosided" "true" "float power" 3
+    Shape "disk" "float innerradius" .5 AttributeEnd
+Scale -1 1 1 Shape "bilinearmesh" "point3 P" [0 0 0 1 0 0 0 1 0 1 1 0] "normal N" [0 0 1 0 0 1 0 0 1 0 0 1]
+MakeNamedMaterial "g" "string type" "dielectric" "spectrum eta" "glass-BK7" "texture roughness" "f" NamedMaterial "g"
+Shape "trianglemesh" "point3 P" [0 0 0 1 0 0 0 1 0] "point2 uv" [0 0 1 0 1 1] Material "conductor" "rgb reflectance" [.5 .6 .7]
+AttributeBegin ObjectBegin "o" Translate 1 0 0 NamedMaterial "i" MediumInterface "g" "" Shape "plymesh" "string filename" "t.ply"
+ObjectEnd AttributeEnd ObjectInstance "o" Scale 1 2 3 ObjectInstance "o" Material "thindielectric" "float eta" 1.3
+LightSource "point" "float power" 3 LightSource "spot" "float coneangle" 40 "point3 to" [1 2 3]
+LightSource "infinite" "string filename" "x.png" "float illuminance" 3 LightSource "goniometric" "string filename" "x.png"
 "#;
 
 /// Those that are refused as a whole.
-const REFUSED: &str = r#"AreaLightSource "diffuse" "rgb L" [1 2 3] "bool twosided" "true"
-Texture "t" "spectrum" "imagemap" "string filename" "x.png" Material "mix" "texture amount" "t"
-ObjectBegin "o" Shape "disk" ObjectEnd ObjectInstance "o" Shape "curve" "point2 uv" [1 2]
+const REFUSED: &str = r#"Texture "d" "spectrum" "dots" Material "mix" "texture amount" "t" Shape "cylinder" "float zmin" 1
+LightSource "projection" "string filename" "x.png" Shape "curve" "point2 uv" [1 2]
 "#;
 
 fn seed_files(scene: impl Into<Vec<u8>>, ply: impl Into<Vec<u8>>) -> MemoryFiles {
     let included = "Translate 1 0 0 Shape \"sphere\" \"float radius\" 2";
     files(scene)
         .with("a.vdb", "")
+        .with("x.png", "")
         .with("b.pbrt", included)
         .with("t.ply", ply)
 }
@@ -60,7 +75,9 @@ fn all_directives_are_understood_or_refused_by_name() {
         Ok(scene) => scene,
         Err(error) => panic!("{}", error.report()),
     };
-    assert_eq!(scene.boundaries.len(), 5);
+    assert_eq!(scene.boundaries.len(), 7);
+    assert_eq!(scene.surfaces.len(), 3);
+    assert_eq!((scene.lights.len(), scene.instances.len()), (6, 2));
     let all = format!("{SEED}{REFUSED}");
     let lenient = read_with(seed_files(all.as_str(), PLY), true).expect("lenient");
     for warning in &lenient.warnings {

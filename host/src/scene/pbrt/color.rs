@@ -128,7 +128,7 @@ fn is_d65(param: &Param) -> bool {
 }
 
 /// Wavelengths and values.
-fn pairs(param: &Param) -> Result<Vec<(f64, f64)>, SceneError> {
+pub(super) fn pairs(param: &Param) -> Result<Vec<(f64, f64)>, SceneError> {
     if let Values::Strings(strings) = &param.values
         && let Some(text) = strings.first()
     {

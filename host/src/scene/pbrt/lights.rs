@@ -1,11 +1,11 @@
-//! `LightSource` and `AreaLightSource`.
+//! `LightSource`: lights from far away; and what all lights have in common.
 
 use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::super::light::{ConstantLight, DistantLight, Light};
-use super::super::{Place, SceneError};
+use super::super::SceneError;
+use super::super::light::{ConstantLight, DistantLight, ImageLight, Light};
 use super::diagnostics::Diagnostics;
 use super::directive::At;
 use super::param::Type;
@@ -32,6 +32,9 @@ impl Reader<'_> {
         match ty.as_str() {
             "distant" => self.distant(at, &params),
             "infinite" => self.infinite(at, &params),
+            "point" => self.point_light(at, &params),
+            "spot" => self.spot_light(at, &params),
+            "goniometric" => self.goniometric_light(at, &params),
             other => {
                 let known = NAMES.contains(&other) && other != "diffuse";
                 let what = if known {
@@ -40,18 +43,21 @@ impl Reader<'_> {
                     "is unknown"
                 };
                 let error = SceneError::at(&place, format!("light source \"{other}\" {what}"));
-                let near = nearest(other, ["distant", "infinite"]).filter(|_| !known);
+                let near = nearest(other, NAMES).filter(|_| !known);
                 self.diagnostics.refuse(match near {
+                    Some("diffuse") => error.help("AreaLightSource is what shapes shine by"),
                     Some(near) => error.help(format!("did you mean \"{near}\"?")),
-                    None => error.help("supported are distant, and infinite without an image"),
+                    None => {
+                        error.help("supported are distant, infinite, point, spot and goniometric")
+                    }
                 })
             }
         }
     }
 
     fn distant(&mut self, at: &At, params: &Params) -> Result<(), SceneError> {
-        let illuminance = illuminance(params)?.unwrap_or(1.0);
-        let irradiance = emitted(params, illuminance, &mut self.diagnostics)?;
+        let illuminance = positive(params, "illuminance")?.unwrap_or(1.0);
+        let irradiance = emitted(params, "L", illuminance, &mut self.diagnostics)?;
         let from = params.point("from")?.unwrap_or(DVec3::ZERO);
         let to = params.point("to")?.unwrap_or(DVec3::Z);
         params.finish(&mut self.diagnostics)?;
@@ -73,17 +79,14 @@ impl Reader<'_> {
     }
 
     fn infinite(&mut self, at: &At, params: &Params) -> Result<(), SceneError> {
-        let instead = "supported is constant radiance: \"rgb L\" [ r g b ]";
-        if let Some(param) = params.find("filename", &[Type::String])? {
-            let message = "image environment maps are not yet supported";
-            self.diagnostics
-                .refuse(SceneError::at(&param.declared, message).help(instead))?;
-            return Ok(());
-        }
+        let instead = "let the whole picture shine";
         params.unsupported("portal", instead, &mut self.diagnostics)?;
+        if params.find("filename", &[Type::String])?.is_some() {
+            return self.sky(at, params);
+        }
         // pbrt means the illuminance below one half of a uniform sky: pi times its luminance.
-        let level = illuminance(params)?.map_or(1.0, |lux| lux / PI);
-        let radiance = emitted(params, level, &mut self.diagnostics)?;
+        let level = positive(params, "illuminance")?.map_or(1.0, |lux| lux / PI);
+        let radiance = emitted(params, "L", level, &mut self.diagnostics)?;
         params.finish(&mut self.diagnostics)?;
         self.world.lights.push(Light::Constant(ConstantLight {
             radiance,
@@ -92,46 +95,56 @@ impl Reader<'_> {
         Ok(())
     }
 
-    pub(super) fn area_light_source(&mut self, at: &At) -> Result<(), SceneError> {
-        self.world_only(at, "AreaLightSource")?;
-        let inherited = self.state.inherited.light.clone();
-        let (ty, place, _) = self.typed(at, "AreaLightSource", inherited)?;
-        let what = if ty == "diffuse" {
-            "is not yet supported"
-        } else {
-            "is unknown"
-        };
-        self.diagnostics.refuse(
-            SceneError::at(&place, format!("area light \"{ty}\" {what}"))
-                .help("supported are LightSource distant and infinite"),
-        )
+    /// An infinite light with a picture.
+    fn sky(&mut self, at: &At, params: &Params) -> Result<(), SceneError> {
+        let types = [Type::Rgb, Type::Spectrum, Type::Blackbody];
+        if let Some(param) = params.find("L", &types)? {
+            let message = "an infinite light has either \"L\" or \"filename\"";
+            return Err(SceneError::at(&param.declared, message));
+        }
+        let filename = self.existing_file(params, "filename", "this light")?;
+        let illuminance = positive(params, "illuminance")?;
+        let scale = scale(params)?;
+        params.finish(&mut self.diagnostics)?;
+        self.not_moving(&at.place)?;
+        let [light_to_world, _] = affine(&self.state.transforms[0], &at.place)?;
+        self.world.lights.push(Light::Image(ImageLight {
+            filename,
+            scale,
+            illuminance,
+            light_to_world,
+            place: at.place.clone(),
+        }));
+        Ok(())
     }
 }
 
-/// Given and positive; pbrt takes anything else as not given.
-fn illuminance(params: &Params) -> Result<Option<f64>, SceneError> {
-    let lux = params.float("illuminance", "a number", |_| true)?;
-    Ok(lux.filter(|lux| *lux > 0.0))
+/// A level that pbrt takes as not given unless it is positive.
+pub(super) fn positive(params: &Params, name: &'static str) -> Result<Option<f64>, SceneError> {
+    let level = params.float(name, "a number", |_| true)?;
+    Ok(level.filter(|level| *level > 0.0))
 }
 
-/// `L` times `scale` times `level`; white by default.
-fn emitted(
+/// The factor that every light has.
+pub(super) fn scale(params: &Params) -> Result<f64, SceneError> {
+    let scale = params.float("scale", "0 or more", |v| v >= 0.0)?;
+    Ok(scale.unwrap_or(1.0))
+}
+
+/// The colour of `name` times `scale` times `level`; white by default.
+pub(super) fn emitted(
     params: &Params,
+    name: &'static str,
     level: f64,
     diagnostics: &mut Diagnostics,
 ) -> Result<[f64; 3], SceneError> {
-    let colour = params.emission("L", diagnostics)?.unwrap_or([1.0; 3]);
-    let scale = params
-        .float("scale", "0 or more", |v| v >= 0.0)?
-        .unwrap_or(1.0);
+    let colour = params.emission(name, diagnostics)?.unwrap_or([1.0; 3]);
+    let scale = scale(params)?;
     let emitted = colour.map(|c| c * scale * level);
     // Rendering is in f32.
     if emitted.iter().all(|c| (*c as f32).is_finite()) {
         return Ok(emitted);
     }
-    let place: &Place = params.place();
-    Err(SceneError::at(
-        place,
-        format!("this light is too bright: {emitted:?}"),
-    ))
+    let message = format!("this light is too bright: {emitted:?}");
+    Err(SceneError::at(params.place(), message))
 }

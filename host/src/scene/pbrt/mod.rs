@@ -1,24 +1,37 @@
 //! pbrt-v4's scene language, read by recursive descent without the recursion.
 //!
 //! [`lexer`] cuts bytes into tokens, [`param`] reads parameter lists, [`reader`] keeps the stack of
-//! files, [`directive`] the grammar, [`state`] what attributes save; [`options`], [`camera`],
-//! [`media`], [`lights`] and [`shapes`] turn parameters into the parts of a scene. Facts about the language are
-//! pbrt.org's "pbrt-v4 input file format", and where that is silent pbrt's own behaviour.
+//! files, [`directive`] the grammar, [`state`] what attributes save; [`options`], [`camera`], [`media`], [`lights`],
+//! [`shapes`], [`materials`], [`textures`] and [`objects`] turn parameters into the parts of a scene, and [`placing`]
+//! puts those together once every name is known. Facts about the language are pbrt.org's "pbrt-v4 input file format",
+//! and where that is silent pbrt's own behaviour.
 
+mod area;
 mod camera;
 mod color;
 mod diagnostics;
 mod directive;
+mod emission;
+mod grids;
 mod lexer;
 mod lights;
+mod materials;
 mod media;
+mod meshes;
+mod objects;
 mod options;
 mod param;
 mod params;
+mod phase;
+mod placing;
+mod points;
+mod presets;
 mod reader;
 mod shapes;
+mod spectra;
 mod state;
 mod suggest;
+mod textures;
 mod transform;
 mod world;
 

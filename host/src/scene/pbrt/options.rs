@@ -173,16 +173,24 @@ impl Reader<'_> {
             "sppm",
             "volpath",
         ];
-        let ours = ["volpath", "simplevolpath", "path"].contains(&ty);
-        if self.known("integrator", ty, place, &names)? && !ours {
+        let name = match ty {
+            "volpath" | "simplevolpath" | "path" | "simplepath" => Some("path"),
+            "bdpt" | "mlt" | "single" | "transmittance" => Some(ty),
+            _ => None,
+        };
+        let names: Vec<&str> = names
+            .into_iter()
+            .chain(["single", "transmittance"])
+            .collect();
+        if self.known("integrator", ty, place, &names)? && name.is_none() {
             let message = format!("integrator \"{ty}\" is not yet supported");
-            self.diagnostics.refuse(
-                SceneError::at(place, message).help("supported are volpath and simplevolpath"),
-            )?;
+            let help = "supported are volpath, simplevolpath, path, simplepath, bdpt, mlt, single and transmittance";
+            self.diagnostics
+                .refuse(SceneError::at(place, message).help(help))?;
         }
-        if ty == "path" {
+        if ty == "path" || ty == "simplepath" {
             let message =
-                "pbrt's \"path\" ignores media; here they are rendered, as by \"volpath\"";
+                format!("pbrt's \"{ty}\" ignores media; here they are rendered, as by \"volpath\"");
             self.diagnostics.warn(SceneError::at(place, message));
         }
         let depth = params.integer("maxdepth", "0 or more", |n| n >= 0)?;
@@ -191,12 +199,43 @@ impl Reader<'_> {
             let instead = "it would bias the image";
             params.unsupported("regularize", instead, &mut self.diagnostics)?;
         }
+        match ty {
+            "simplepath" => {
+                params.ignore("samplebsdf", &[Type::Bool])?;
+                params.ignore("samplelights", &[Type::Bool])?;
+            }
+            "bdpt" => {
+                for name in ["visualizestrategies", "visualizeweights"] {
+                    if params.boolean(name)? == Some(true) {
+                        let instead = "it is for the study of an algorithm";
+                        params.unsupported(name, instead, &mut self.diagnostics)?;
+                    }
+                }
+            }
+            "mlt" => self.metropolis(params)?,
+            _ => {}
+        }
         self.world.integrator = Some(Integrator {
-            name: "path".to_owned(),
+            name: name.unwrap_or("path").to_owned(),
             max_depth: depth.map(|n| n as u32),
         });
-        if ours {
+        if name.is_some() {
             params.finish(&mut self.diagnostics)?;
+        }
+        Ok(())
+    }
+
+    /// What pbrt lets one tune and the program chooses itself.
+    fn metropolis(&mut self, params: &Params) -> Result<(), SceneError> {
+        let counts = ["bootstrapsamples", "chains", "mutationsperpixel"];
+        let given = counts.map(|name| (name, Type::Integer));
+        let rates = ["largestepprobability", "sigma"].map(|name| (name, Type::Float));
+        for (name, ty) in given.into_iter().chain(rates) {
+            if let Some(param) = params.find(name, &[ty])? {
+                let message = format!("\"{name}\" is ignored: the program chooses it");
+                self.diagnostics
+                    .warn(SceneError::at(&param.declared, message));
+            }
         }
         Ok(())
     }

@@ -23,6 +23,8 @@ pub(super) struct Params {
     given: Vec<(Param, Cell<bool>)>,
     inherited: Arc<Vec<Arc<Param>>>,
     asked: RefCell<Vec<&'static str>>,
+    /// Memory of the lists that were taken from what is inherited \[bytes\].
+    copied: Cell<u64>,
 }
 
 impl Params {
@@ -38,6 +40,7 @@ impl Params {
             given: given.into_iter().map(|p| (p, Cell::new(false))).collect(),
             inherited,
             asked: RefCell::new(Vec::new()),
+            copied: Cell::new(0),
         }
     }
 
@@ -208,9 +211,20 @@ impl Params {
             return Ok(None);
         };
         match &param.values {
-            Values::Numbers(numbers) => Ok(Some((numbers, param))),
+            Values::Numbers(numbers) => {
+                if !self.given.iter().any(|(given, _)| given.name == name) {
+                    let bytes = size_of_val(numbers.as_slice()) as u64;
+                    self.copied.set(self.copied.get().saturating_add(bytes));
+                }
+                Ok(Some((numbers, param)))
+            }
             _ => Ok(None),
         }
+    }
+
+    /// What lists from `Attribute` take once more here \[bytes\]: a few words may ask for them again and again.
+    pub(super) fn copied(&self) -> u64 {
+        self.copied.get()
     }
 
     /// Accepts a parameter of any of these types without looking at it: what changes nothing here.

@@ -5,7 +5,7 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::super::{Files, Options, Place, Scene, SceneError, Source};
+use super::super::{Files, MaterialKind, Options, Place, Scene, SceneError, Source, Texture};
 use super::diagnostics::Diagnostics;
 use super::lexer::Lexer;
 use super::state::{State, Transforms};
@@ -239,7 +239,9 @@ impl<'a> Reader<'a> {
             let message = "the scene has no WorldBegin";
             return Err(SceneError::of_file(&self.main, message));
         }
-        let mut scene = self.world.finish(&mut self.diagnostics)?;
+        let mut scene = self
+            .world
+            .finish(&mut self.diagnostics, self.limits.max_memory)?;
         scene.warnings = self.diagnostics.finish(&self.main);
         scene.source_hash = self.hash;
         scene.each_place(|place| {
@@ -259,8 +261,32 @@ impl Scene {
         self.boundaries
             .iter_mut()
             .for_each(|b| change(&mut b.place));
+        let objects = self.objects.iter_mut().flat_map(|o| &mut o.surfaces);
+        for surface in self.surfaces.iter_mut().chain(objects) {
+            change(&mut surface.place);
+        }
+        for instance in &mut self.instances {
+            change(&mut instance.place);
+        }
+        for material in &mut self.materials {
+            change(&mut material.place);
+            if let MaterialKind::Diffuse { reflectance } = &mut material.kind {
+                each_image(reflectance, &mut change);
+            }
+        }
         for light in &mut self.lights {
             change(light.place_mut());
         }
+    }
+}
+
+fn each_image(texture: &mut Texture, change: &mut impl FnMut(&mut Place)) {
+    match texture {
+        Texture::Constant(_) => {}
+        Texture::Scale(a, b) => {
+            each_image(a, change);
+            each_image(b, change);
+        }
+        Texture::Image(image) => change(&mut image.place),
     }
 }

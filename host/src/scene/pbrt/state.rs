@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DMat4, DVec3};
 
-use super::super::{Place, SceneError};
+use super::super::{MaterialId, Place, SceneError};
 use super::param::Param;
 
 /// A medium's name with the place that mentions it; `None` is vacuum.
@@ -15,12 +15,25 @@ pub(super) type MediumName = Option<Arc<(String, Place)>>;
 pub(super) enum Material {
     /// pbrt's default, `diffuse`.
     Default,
+    /// One that the scene describes.
+    Made(MaterialId),
     /// No matter at all.
     Interface,
     /// Refused; we are lenient, or it would have been an error.
     Unsupported,
     /// To be looked up when all materials are known.
     Named(Arc<(String, Place)>),
+}
+
+/// The light that shapes send out.
+#[derive(Clone, Debug)]
+pub(super) struct AreaLight {
+    /// `L` times `scale`; with `power` only its colour and the factor on that.
+    pub(super) radiance: [f64; 3],
+    pub(super) two_sided: bool,
+    /// What a shape sends out in all \[W\].
+    pub(super) power: Option<f64>,
+    pub(super) place: Place,
 }
 
 /// The current transformation at the shutter's opening and closing.
@@ -45,6 +58,7 @@ pub(super) struct State {
     pub(super) active: [bool; 2],
     pub(super) reverse_orientation: bool,
     pub(super) material: Material,
+    pub(super) light: Option<Arc<AreaLight>>,
     pub(super) inside: MediumName,
     pub(super) outside: MediumName,
     pub(super) inherited: Inherited,
@@ -57,6 +71,7 @@ impl Default for State {
             active: [true; 2],
             reverse_orientation: false,
             material: Material::Default,
+            light: None,
             inside: None,
             outside: None,
             inherited: Inherited::default(),

@@ -1,5 +1,12 @@
 //! "Did you mean": the nearest of the words that would have been understood.
 
+use super::super::{Place, SceneError};
+
+/// Most names listed.
+const SHOWN: usize = 40;
+/// Most names searched for one that is near.
+const MANY: usize = 2000;
+
 /// The candidate within a third of its length in edits, if any.
 pub(super) fn nearest<'a>(
     word: &str,
@@ -15,6 +22,32 @@ pub(super) fn nearest<'a>(
         .filter(|&(edits, candidate)| edits <= 1 + candidate.len() / 4)
         .min_by_key(|&(edits, _)| edits)
         .map(|(_, candidate)| candidate)
+}
+
+/// Something that a scene mentions and never defines.
+pub(super) fn undefined<'a>(
+    what: &str,
+    name: &str,
+    place: &Place,
+    known: impl Iterator<Item = &'a str>,
+) -> SceneError {
+    let error = SceneError::at(place, format!("{what} \"{name}\" is not defined"));
+    // A million names, looked through for each of a million mistakes, would take for ever.
+    if known.size_hint().0 > MANY {
+        return error;
+    }
+    let mut known: Vec<&str> = known.collect();
+    // Hash maps have no order of their own, messages should.
+    known.sort_unstable();
+    match nearest(name, known.iter().copied()) {
+        Some(near) => error.help(format!("did you mean \"{near}\"?")),
+        None if known.is_empty() => error.help(format!("the scene defines no {what}")),
+        None => {
+            let shown = known.len().min(SHOWN);
+            let more = if known.len() > shown { ", …" } else { "" };
+            error.help(format!("there are {}{more}", known[..shown].join(", ")))
+        }
+    }
 }
 
 /// Insertions, deletions, replacements and swaps of neighbours that turn one word into the other;

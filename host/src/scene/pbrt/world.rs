@@ -3,24 +3,24 @@
 use std::collections::HashMap;
 
 use super::super::film::{Film, PixelBounds};
+use super::super::surface::Instance;
 use super::super::{
-    Boundary, Camera, Enclosure, Integrator, Light, MediumId, NamedMedium, Place, Projection,
-    Scene, SceneError, ScreenWindow,
+    Boundary, Camera, Integrator, Light, MediumId, NamedMedium, Object, Place, Projection, Scene,
+    SceneError, ScreenWindow, surface,
 };
 use super::camera::CameraDraft;
 use super::diagnostics::Diagnostics;
-use super::state::{Material, MediumName};
-use super::suggest::nearest;
+use super::objects::ObjectDraft;
+use super::placing::{Parts, Placing, placed, size};
+use super::shapes::ShapeDraft;
+use super::state::Material;
+use super::textures::Textures;
 
-/// A shape whose medium and material names are not yet looked up.
+/// A shape of the world or an instance, in file order.
 #[derive(Debug)]
-pub(super) struct ShapeDraft {
-    pub(super) shape: Enclosure,
-    pub(super) reverse_orientation: bool,
-    pub(super) inside: MediumName,
-    pub(super) outside: MediumName,
-    pub(super) material: Material,
-    pub(super) place: Place,
+pub(super) enum Placed {
+    Shape(Box<ShapeDraft>),
+    Instance(Instance),
 }
 
 /// Everything that directives have added so far.
@@ -34,14 +34,26 @@ pub(super) struct World {
     pub(super) media: Vec<NamedMedium>,
     /// `None` for a medium that was refused, leniently.
     pub(super) medium_names: HashMap<String, (Option<MediumId>, Place)>,
-    pub(super) materials: HashMap<String, (Material, Place)>,
-    pub(super) shapes: Vec<ShapeDraft>,
+    pub(super) materials: Vec<surface::Material>,
+    pub(super) material_names: HashMap<String, (Material, Place)>,
+    pub(super) textures: Textures,
+    pub(super) objects: Vec<ObjectDraft>,
+    pub(super) object_names: HashMap<String, (usize, Place)>,
+    pub(super) placed: Vec<Placed>,
     pub(super) lights: Vec<Light>,
+    /// Memory of what was copied \[bytes\].
+    pub(super) copied: u64,
 }
 
 impl World {
     /// Looks up all names. Media and materials may be defined after they are mentioned, as in pbrt.
-    pub(super) fn finish(self, diagnostics: &mut Diagnostics) -> Result<Scene, SceneError> {
+    ///
+    /// `max_memory`: most that copies of boundaries may take \[bytes\].
+    pub(super) fn finish(
+        self,
+        diagnostics: &mut Diagnostics,
+        max_memory: u64,
+    ) -> Result<Scene, SceneError> {
         let mut film = self.film.unwrap_or(Film {
             width: 1280,
             height: 720,
@@ -59,45 +71,44 @@ impl World {
             Some(draft) => (draft.finish(&mut film, diagnostics)?, draft.medium.clone()),
             None => (default_camera(&film), None),
         };
-        let names = &self.medium_names;
-        let camera_medium = medium(names, &camera_medium, diagnostics)?;
-        let mut boundaries = Vec::with_capacity(self.shapes.len());
-        for draft in self.shapes {
-            let inside = medium(names, &draft.inside, diagnostics)?;
-            let outside = medium(names, &draft.outside, diagnostics)?;
-            let material = match &draft.material {
-                Material::Named(name) => match self.materials.get(&name.0) {
-                    Some((material, _)) => material.clone(),
-                    None => {
-                        let known = self.materials.keys().map(String::as_str);
-                        diagnostics.refuse(undefined("material", name, known))?;
-                        Material::Unsupported
-                    }
-                },
-                other => other.clone(),
-            };
-            if matches!(material, Material::Default) {
-                let message = "this shape has pbrt's default material \"diffuse\", which is not yet supported";
-                diagnostics.refuse(
-                    SceneError::at(&draft.place, message)
-                        .help("write Material \"interface\" before it"),
-                )?;
+        let mut placing = Placing {
+            media: &self.medium_names,
+            names: &self.material_names,
+            materials: self.materials,
+            default: None,
+            diagnostics,
+        };
+        let camera_medium = placing.medium(&camera_medium)?;
+        let mut objects = Vec::with_capacity(self.objects.len());
+        let mut enclosures: Vec<Vec<Boundary>> = Vec::with_capacity(self.objects.len());
+        for draft in self.objects {
+            let mut parts = Parts::default();
+            for shape in draft.shapes {
+                placing.shape(shape, &mut parts)?;
             }
-            // Leniently, a surface that is not understood still separates its media, or vanishes.
-            if !matches!(material, Material::Interface) && inside == outside {
-                continue;
-            }
-            let (inside, outside) = if draft.reverse_orientation {
-                (outside, inside)
-            } else {
-                (inside, outside)
-            };
-            boundaries.push(Boundary {
-                shape: draft.shape,
-                inside,
-                outside,
-                place: draft.place,
+            objects.push(Object {
+                name: draft.name,
+                surfaces: parts.surfaces,
             });
+            enclosures.push(parts.boundaries);
+        }
+        let mut parts = Parts::default();
+        let mut instances = Vec::new();
+        let mut copied = self.copied;
+        for item in self.placed {
+            let instance = match item {
+                Placed::Shape(draft) => {
+                    placing.shape(*draft, &mut parts)?;
+                    continue;
+                }
+                Placed::Instance(instance) => instance,
+            };
+            for boundary in enclosures.get(instance.object).into_iter().flatten() {
+                copied = copied.saturating_add(size(boundary));
+                within(copied, max_memory, &instance.place)?;
+                parts.boundaries.push(placed(boundary, &instance)?);
+            }
+            instances.push(instance);
         }
         Ok(Scene {
             film,
@@ -110,11 +121,11 @@ impl World {
             }),
             media: self.media,
             camera_medium,
-            boundaries,
-            surfaces: Vec::new(),
-            materials: Vec::new(),
-            objects: Vec::new(),
-            instances: Vec::new(),
+            boundaries: parts.boundaries,
+            surfaces: parts.surfaces,
+            materials: placing.materials,
+            objects,
+            instances,
             lights: self.lights,
             warnings: Vec::new(),
             source_hash: 0,
@@ -134,36 +145,11 @@ fn default_camera(film: &Film) -> Camera {
     }
 }
 
-fn medium(
-    names: &HashMap<String, (Option<MediumId>, Place)>,
-    name: &MediumName,
-    diagnostics: &mut Diagnostics,
-) -> Result<Option<MediumId>, SceneError> {
-    let Some(name) = name else {
-        return Ok(None);
-    };
-    match names.get(&name.0) {
-        Some((id, _)) => Ok(*id),
-        None => {
-            let known = names.keys().map(String::as_str);
-            diagnostics.refuse(undefined("medium", name, known))?;
-            Ok(None)
-        }
+/// Refuses copies that take too much.
+pub(super) fn within(copied: u64, max_memory: u64, place: &Place) -> Result<(), SceneError> {
+    if copied <= max_memory {
+        return Ok(());
     }
-}
-
-fn undefined<'a>(
-    what: &str,
-    (name, place): &(String, Place),
-    known: impl Iterator<Item = &'a str>,
-) -> SceneError {
-    let mut known: Vec<&str> = known.collect();
-    // Hash maps have no order of their own, messages should.
-    known.sort_unstable();
-    let error = SceneError::at(place, format!("{what} \"{name}\" is not defined"));
-    match nearest(name, known.iter().copied()) {
-        Some(near) => error.help(format!("did you mean \"{near}\"?")),
-        None if known.is_empty() => error.help(format!("the scene defines no {what}")),
-        None => error.help(format!("there are {}", known.join(", "))),
-    }
+    let message = format!("what is copied up to here takes {copied} bytes");
+    Err(SceneError::at(place, message).help(format!("the limit is {max_memory} bytes")))
 }

@@ -341,7 +341,7 @@ fn lenient_reading_warns_and_goes_on() {
         "odd.pbrt",
         &FOG.replace(
             "WorldBegin",
-            "WorldBegin\nLightSource \"goniometric\" \"rgb I\" [ 1 1 1 ]",
+            "WorldBegin\nLightSource \"projection\" \"float fov\" 30",
         ),
     );
     let run = folder.run(&["render", "odd.pbrt"]);

@@ -1,0 +1,204 @@
+//! Path tracing with next-event estimation, on surfaces and in media.
+//!
+//! At each vertex one light is sampled; what is sampled and what the path finds by itself share their common
+//! contributions by the balance heuristic over *directional* densities, so that any unbiased estimate of transmittance
+//! serves. Media that shine are scored at every tentative collision, not only at those that turn out real.
+
+use glam::DVec3;
+use woodcock_core::collision;
+
+use super::scatter::Site;
+use super::tracer::{End, Tracer, Witness};
+use super::walk::Tentative;
+use super::{Draws, Matter, Sample, Score, Settings, Subpath, next_event};
+use crate::bsdf::Transport;
+use crate::ray::Ray;
+use crate::surface::Hit;
+use crate::world::World;
+
+/// Below this throughput a path plays roulette, and survives with it.
+const ROULETTE: f64 = 0.25;
+
+/// Where the present ray began, as light sampling there would compete with it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Last {
+    point: DVec3,
+    normal: DVec3,
+    /// Density of the ray's direction [1/sr]; infinite where nothing competes.
+    pdf: f64,
+}
+
+impl Last {
+    /// A camera: nothing competes.
+    pub(super) fn certain(point: DVec3) -> Self {
+        Self {
+            point,
+            normal: DVec3::ZERO,
+            pdf: f64::INFINITY,
+        }
+    }
+
+    /// The share of what was found with the ray's density, against that of light sampling.
+    fn share(&self, competing: f64) -> f64 {
+        if self.pdf == f64::INFINITY {
+            1.0
+        } else {
+            self.pdf / (self.pdf + competing)
+        }
+    }
+}
+
+/// Scores what a flight passes.
+struct Scoring<'a> {
+    score: &'a mut Score,
+    last: &'a Last,
+    ray: &'a Ray,
+}
+
+impl Witness for Scoring<'_> {
+    fn tentative(
+        &mut self,
+        world: &World,
+        tentative: &Tentative,
+        throughput: DVec3,
+        passage: &dyn Fn() -> f64,
+    ) {
+        let source = DVec3::from(tentative.local.emission);
+        if source == DVec3::ZERO {
+            return;
+        }
+        let share = match &world.glow {
+            Some(glow) if self.last.pdf != f64::INFINITY => {
+                // The same place as sampled for its light: densities per volume, passage included in both.
+                let along = self.last.pdf * tentative.majorant * passage();
+                let distance_squared = (tentative.place - self.last.point).length_squared();
+                let competing = glow.choice() * glow.pdf(tentative.medium, tentative.tap);
+                along / (along + competing * distance_squared)
+            }
+            _ => 1.0,
+        };
+        let radiance = throughput * source * (share / tentative.majorant);
+        self.score.add(radiance, Matter::Medium);
+    }
+
+    fn shining(&mut self, world: &World, hit: &Hit, throughput: DVec3, _: &dyn Fn() -> f64) {
+        let radiance = throughput * found(world, self.last, self.ray, hit);
+        self.score.add(radiance, Matter::Surface);
+    }
+}
+
+/// Radiance of a surface that a ray found, times its share.
+pub(super) fn found(world: &World, last: &Last, ray: &Ray, hit: &Hit) -> DVec3 {
+    let lighting = &world.lighting;
+    let radiance = DVec3::from(lighting.hit_radiance(hit, ray.direction));
+    if radiance == DVec3::ZERO || last.pdf == f64::INFINITY {
+        return radiance;
+    }
+    let competing = lighting.hit_pdf(&world.surfaces, last.point, last.normal, hit);
+    radiance * last.share(competing * (1.0 - world.glow_choice()))
+}
+
+/// Radiance that arrives from far away along a ray, times its share.
+pub(super) fn escaped(world: &World, last: &Last, ray: &Ray) -> DVec3 {
+    let lighting = &world.lighting;
+    let escapes = lighting.escapes(ray.direction);
+    escapes
+        .map(|(light, radiance, pdf)| {
+            let competing = pdf * lighting.choice(light, last.point, last.normal);
+            DVec3::from(radiance) * last.share(competing * (1.0 - world.glow_choice()))
+        })
+        .sum()
+}
+
+/// One path through a point of the film.
+pub(crate) fn trace<D: Draws>(
+    tracer: &mut Tracer<'_>,
+    settings: &Settings,
+    film: [f64; 2],
+    draws: &mut D,
+) -> Sample {
+    let world = tracer.world;
+    draws.vertex(Subpath::Camera, 0);
+    let mut ray = super::camera::ray(world, film, draws);
+    let mut score = Score::default();
+    let mut throughput = DVec3::ONE;
+    let mut last = Last::certain(ray.origin);
+    for depth in 0.. {
+        let mut scoring = Scoring {
+            score: &mut score,
+            last: &last,
+            ray: &ray,
+        };
+        draws.vertex(Subpath::Camera, depth + 1);
+        let flight = tracer.fly(&ray, &mut throughput, draws, &mut scoring);
+        let (site, albedo) = match flight.end {
+            End::Escape => {
+                score.add(throughput * escaped(world, &last, &ray), Matter::Nothing);
+                break;
+            }
+            End::Surface(hit) => {
+                score.add(
+                    throughput * found(world, &last, &ray, &hit),
+                    Matter::Surface,
+                );
+                let site = Site::on_surface(world, &hit);
+                score.meet(Matter::Surface, &site, hit.t, site.albedo());
+                (site, None)
+            }
+            End::Collision { t, medium, local } => {
+                let site = Site::in_medium(ray.at(t), medium);
+                let albedo = DVec3::from(local.albedo);
+                score.meet(Matter::Medium, &site, t, albedo);
+                (site, Some(albedo))
+            }
+        };
+        if depth == settings.max_depth {
+            break;
+        }
+        if let Some(albedo) = albedo {
+            throughput *= albedo;
+        }
+        if !survives(&mut throughput, draws) {
+            break;
+        }
+        score.scatter();
+        let from = -ray.direction;
+        if !site.is_specular() {
+            if let Some(lit) = next_event::sample(tracer, &site, from, draws) {
+                let found = site.pdf(world, from, lit.direction, Transport::Radiance) * lit.flown;
+                let share = lit.pdf / (lit.pdf + found);
+                let first = score.first();
+                score.add(throughput * lit.radiance * share, first);
+            }
+        }
+        let Some(onward) = site.sample(world, from, Transport::Radiance, draws) else {
+            break;
+        };
+        throughput *= onward.weight;
+        if throughput.max_element() <= 0.0 {
+            break;
+        }
+        ray = site.anchor.ray(onward.direction);
+        last = Last {
+            point: site.anchor.point,
+            normal: site.normal,
+            pdf: if onward.specular {
+                f64::INFINITY
+            } else {
+                onward.pdf
+            },
+        };
+    }
+    score.sample()
+}
+
+/// Roulette on throughput times albedo.
+fn survives(throughput: &mut DVec3, draws: &mut impl Draws) -> bool {
+    let largest = throughput.max_element();
+    if largest <= 0.0 {
+        return false;
+    }
+    let factor = collision::roulette(largest, ROULETTE, draws, true);
+    *throughput *= factor;
+    factor > 0.0
+}
