@@ -7,8 +7,7 @@
 //!   nodes are read than the grid's bytes can hold, so nothing is read twice without end.
 //! * Cost: a grid is unpacked whole, then rebuilt; both are counted against [`Limits`](crate::volume::Limits).
 //!
-//! Index (i, j, k) is the centre of a voxel. Source: Museth 2021, "NanoVDB: A GPU-friendly and portable VDB data structure for
-//! real-time rendering and simulation"; the layout is documented by NanoVDB's implementation only.
+//! Index (i, j, k) is the centre of a voxel. Source: [Museth 2021]; the layout is documented by NanoVDB's implementation only.
 
 mod file;
 mod grid;

@@ -6,12 +6,13 @@ use glam::{DAffine3, DVec3};
 use woodcock_core::path::{MediumRecord, RecordKind};
 
 use super::blackbody::DARK;
+use super::cells::{self, CellBox};
 use super::cloud::CloudDensity;
-use super::details::Details;
+use super::details::{Details, Share};
 use super::emission::{Emission, Radiance, Temperatures};
 use super::field::{Beyond, Field};
 use super::samples::{self, Samples};
-use super::sources::{self, CellBox, FileGrids};
+use super::sources::{self, FileGrids};
 use super::{Medium, PhaseFunction, Support, Tables};
 use crate::scene::{
     self, Cloud, Files, MediumKind, NamedMedium, SceneError, TemperatureValues, Warning,
@@ -130,6 +131,7 @@ pub(in crate::world) fn assemble(
                 samples::place(medium, &grid, around.origin).ok_or_else(singular)?;
             if let Some(shares) = &grid.shares {
                 bounding(&mut record, shares);
+                details.chromatic = shares.iter().any(Share::is_chromatic);
             }
             details.shares = grid.shares;
             record.kind = samples::append(grid.values, grid.dims, map, record.scale, tables)
@@ -196,7 +198,7 @@ fn record(
 }
 
 /// Puts the largest colours and albedos of any voxel into the record.
-fn bounding(record: &mut MediumRecord, shares: &[super::details::Share]) {
+fn bounding(record: &mut MediumRecord, shares: &[Share]) {
     let (mut colour, mut albedo) = ([0.0_f32; 3], [0.0_f32; 3]);
     for share in shares {
         let (extinction, scattered) = (share.extinction(), share.albedo());
@@ -218,10 +220,10 @@ fn fill(
     let limits = around.limits;
     Ok(Some(match &medium.kind {
         MediumKind::Homogeneous => Filling::Homogeneous.into(),
-        MediumKind::UniformGrid(grid) => Filling::Grid(sources::uniform(grid, limits)?).into(),
+        MediumKind::UniformGrid(grid) => Filling::Grid(cells::uniform(grid, limits)?).into(),
         MediumKind::RgbGrid(grid) => {
             let (sigma_a, sigma_s) = (medium.sigma_a, medium.sigma_s);
-            Filling::Grid(sources::rgb(grid, sigma_a, sigma_s, scale, limits)?).into()
+            Filling::Grid(cells::rgb(grid, sigma_a, sigma_s, scale, limits)?).into()
         }
         MediumKind::Cloud(cloud) => {
             check_cloud(cloud)?;

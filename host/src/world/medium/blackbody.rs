@@ -45,8 +45,7 @@ impl BlackBodies {
 
     /// The colour at a temperature \[K\], that of the nearer end beyond the table; of a spectrum that is one at its peak.
     pub(super) fn colour(&self, kelvin: f64) -> [f64; 3] {
-        // Not `kelvin <= DARK`: a NaN is dark.
-        if !(kelvin > DARK) {
+        if kelvin.is_nan() || kelvin <= DARK {
             return [0.0; 3];
         }
         let range = self.far - self.near;

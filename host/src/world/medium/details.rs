@@ -39,6 +39,12 @@ impl Share {
         })
     }
 
+    /// Whether extinction differs between colours.
+    pub(super) fn is_chromatic(&self) -> bool {
+        let [r, g, b] = self.extinction();
+        r != g || g != b
+    }
+
     /// Single-scattering albedo by colour; zero where there is no extinction.
     pub(super) fn albedo(&self) -> [f64; 3] {
         std::array::from_fn(|c| {
@@ -57,6 +63,8 @@ impl Share {
 pub struct Details {
     /// Absorption and scattering by voxel, in the order of the grid's samples.
     pub(super) shares: Option<Vec<Share>>,
+    /// Whether some of them differ between colours in what they take away.
+    pub(super) chromatic: bool,
     /// Albedo by place, in place of the record's.
     pub(super) albedo: Option<Field<3>>,
     /// The density by formula; the record's grid has blocks and no samples.

@@ -54,9 +54,7 @@ impl Medium {
         let mut albedo = self.record.albedo.map(f64::from);
         if let Some(field) = details.and_then(|d| d.albedo.as_ref()) {
             albedo = field.value(place);
-            for c in 0..3 {
-                found.sigma_a[c] = found.sigma_t[c] * (1.0 - albedo[c]);
-            }
+            found.sigma_a = std::array::from_fn(|c| found.sigma_t[c] * (1.0 - albedo[c]));
         } else if details.is_some_and(|d| d.shares.is_some()) {
             let ratio = |c: usize| found.sigma_s[c] / found.sigma_t[c];
             albedo = std::array::from_fn(|c| {

@@ -8,6 +8,7 @@
 
 mod assembly;
 mod blackbody;
+mod cells;
 mod cloud;
 mod details;
 mod emission;
@@ -80,10 +81,12 @@ pub struct Medium {
 impl Medium {
     /// Whether extinction differs between colours.
     pub fn is_chromatic(&self) -> bool {
-        let differ = |[r, g, b]: [f64; 3]| r != g || g != b;
-        match self.details.as_ref().and_then(|d| d.shares.as_ref()) {
-            Some(shares) => shares.iter().any(|share| differ(share.extinction())),
-            None => differ(self.record.colour.map(f64::from)),
+        match &self.details {
+            Some(details) if details.shares.is_some() => details.chromatic,
+            _ => {
+                let [r, g, b] = self.record.colour;
+                r != g || g != b
+            }
         }
     }
 
