@@ -146,6 +146,9 @@ fn kind(world: &World) -> Kind {
 
 /// The name of the kernel that runs, for `explain` and the statistics.
 pub fn kernel_name(world: &World, kernel: Kernel) -> String {
+    if !world.is_plain() {
+        return "scalar: surfaces, lights and media of all kinds".to_owned();
+    }
     let medium = match kind(world) {
         Kind::Homogeneous => "homogeneous",
         Kind::Grid => "grid",

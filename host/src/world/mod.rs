@@ -86,8 +86,6 @@ pub struct World {
     pub lighting: Lighting,
     /// Media that shine, as lights.
     pub(crate) glow: Option<Glow>,
-    /// What packets cannot do about the scene, if anything.
-    scalar: Option<String>,
     /// The diameter of what bounds the media \[length\]; infinite where one fills space.
     extent: f64,
     /// The camera may be inside one.
@@ -110,7 +108,7 @@ pub struct Options {
 impl World {
     /// Whether the kernels of packets can render it.
     pub fn is_plain(&self) -> bool {
-        self.scalar.is_none()
+        self.needs.in_packets()
     }
 
     /// Probability with which light sampling chooses media that shine.
@@ -271,7 +269,7 @@ pub fn assemble(scene: &Scene, files: &dyn Files, options: &Options) -> Result<W
     let lighting = Lighting::new(scene, &surfaces, bounds, origin, files, &options.limits)?;
     let alone = lighting.is_empty();
     let glow = Glow::new(&assembled.media, &assembled.tables, alone);
-    let scalar = not_in_packets(scene, &assembled, &surfaces);
+    scalar_needed(scene, &assembled.media, &surfaces, keep, &mut needs);
     let (distant, environment) = lights(scene)?;
     let records = assembled
         .media
@@ -303,26 +301,51 @@ pub fn assemble(scene: &Scene, files: &dyn Files, options: &Options) -> Result<W
         materials,
         lighting,
         glow,
-        scalar,
     })
 }
 
-/// What the kernels of packets cannot do about a scene, if anything.
-fn not_in_packets(scene: &Scene, assembled: &Assembled, surfaces: &Surfaces) -> Option<String> {
-    if !surfaces.is_empty() {
-        return Some("surfaces".to_owned());
-    }
-    let light = scene.lights.iter().find_map(|light| match light {
-        Light::Distant(_) | Light::Constant(_) => None,
-        Light::Image(_) => Some("an environment with a picture"),
-        Light::Point(_) => Some("a point light"),
-        Light::Spot(_) => Some("a spot light"),
-        Light::Goniometric(_) => Some("a goniometric light"),
-    });
-    let medium = assembled.media.iter().any(|medium| !medium.is_plain());
-    light
-        .or(medium.then_some("a medium that shines, or of several colours"))
-        .map(str::to_owned)
+/// What only scalar integrators do.
+fn scalar_needed(
+    scene: &Scene,
+    media: &[Medium],
+    surfaces: &Surfaces,
+    keep: &[Feature],
+    needs: &mut Needs,
+) {
+    let (shapes, shining) = (scene.surfaces.len(), surfaces.emitters());
+    let reason = match (surfaces.is_empty(), shining) {
+        (true, _) => "nothing but media".to_owned(),
+        (_, 0) => format!("{shapes} surfaces and {} instances", scene.instances.len()),
+        _ => format!("{shapes} surfaces, {shining} pieces of which shine"),
+    };
+    needs.decide(Feature::Surfaces, !surfaces.is_empty(), keep, reason);
+    let is_local = |light: &&Light| match light {
+        Light::Distant(_) | Light::Constant(_) => false,
+        Light::Image(_) | Light::Point(_) | Light::Spot(_) | Light::Goniometric(_) => true,
+    };
+    let local = scene.lights.iter().filter(is_local).count();
+    let reason = match local {
+        0 => "no lights but suns and constant skies".to_owned(),
+        n => format!("{n} lights at points or with pictures"),
+    };
+    needs.decide(Feature::LocalLights, local > 0, &[], reason);
+    let detailed = media.iter().filter(|medium| !medium.is_plain()).count();
+    let reason = match detailed {
+        0 => "media are grey or of one colour, and dark".to_owned(),
+        n => format!("{n} media shine, vary in colour or scatter by other laws"),
+    };
+    needs.decide(Feature::DetailedMedia, detailed > 0, &[], reason);
+    let at_points = scene
+        .lights
+        .iter()
+        .any(|light| is_local(&light) && !matches!(light, Light::Image(_)));
+    let near = (at_points || shining > 0) && !media.is_empty();
+    let reason = if near {
+        "lights among media: distances are sampled by nearness too"
+    } else {
+        "no light is near a medium"
+    };
+    needs.decide(Feature::EquiAngular, near, keep, reason);
 }
 
 /// Size of the picture, and the part of it to render.

@@ -25,11 +25,19 @@ pub enum Feature {
     Rayleigh,
     /// A lens.
     Lens,
+    /// Surfaces with matter or light, and the scalar path tracer that meets them.
+    Surfaces,
+    /// Lights at places, and pictures of the sky.
+    LocalLights,
+    /// Media that shine, change colour from place to place, or scatter by other laws than two.
+    DetailedMedia,
+    /// Distances sampled by how near a light is.
+    EquiAngular,
 }
 
 impl Feature {
     /// All of them, in the order of the table.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 12] = [
         Self::Tracking,
         Self::Chromatic,
         Self::SeveralMedia,
@@ -38,6 +46,10 @@ impl Feature {
         Self::EnvironmentNextEvent,
         Self::Rayleigh,
         Self::Lens,
+        Self::Surfaces,
+        Self::LocalLights,
+        Self::DetailedMedia,
+        Self::EquiAngular,
     ];
 
     /// Its name on the command line and in statistics.
@@ -51,12 +63,19 @@ impl Feature {
             Self::EnvironmentNextEvent => "environment-next-event",
             Self::Rayleigh => "rayleigh",
             Self::Lens => "lens",
+            Self::Surfaces => "surfaces",
+            Self::LocalLights => "local-lights",
+            Self::DetailedMedia => "detailed-media",
+            Self::EquiAngular => "equi-angular",
         }
     }
 
     /// Whether `--keep` can keep it where a scene does not need it.
     pub const fn can_be_kept(self) -> bool {
-        !matches!(self, Self::NextEvent | Self::Lens)
+        !matches!(
+            self,
+            Self::NextEvent | Self::Lens | Self::LocalLights | Self::DetailedMedia
+        )
     }
 
     /// The feature of a name that `--keep` takes.
@@ -114,6 +133,17 @@ impl Needs {
             reason: reason.into(),
         });
         runs
+    }
+
+    /// Whether all that runs can run in packets.
+    pub(super) fn in_packets(&self) -> bool {
+        let scalar = [
+            Feature::Surfaces,
+            Feature::LocalLights,
+            Feature::DetailedMedia,
+            Feature::EquiAngular,
+        ];
+        !scalar.into_iter().any(|feature| self.runs(feature))
     }
 
     /// Whether the code of a feature runs.
