@@ -13,8 +13,8 @@ use std::sync::Arc;
 use glam::{DAffine3, DQuat, DVec2, DVec3};
 use woodcock_host::ray::Ray;
 use woodcock_host::scene::{
-    self, AreaEmission, BilinearMesh, Disk, MaterialId, MemoryFiles, Object, Options, Place, Scene,
-    Shape, Source, Sphere, Surface, TriangleMesh,
+    self, AreaEmission, BilinearMesh, Disk, Instance, MaterialId, MemoryFiles, Object, Options,
+    Place, Scene, Shape, Source, Sphere, Surface, TriangleMesh,
 };
 use woodcock_host::surface::Surfaces;
 use woodcock_tests::stats::independent::SplitMix;
@@ -57,6 +57,34 @@ fn lamp(shape: Shape) -> Surface {
 fn ready(surfaces: Vec<Surface>) -> Surfaces {
     let scene = Scene {
         surfaces,
+        ..empty()
+    };
+    Surfaces::new(&scene, DVec3::ZERO).expect("surfaces")
+}
+
+/// Objects, which of them stand where, and what stands beside them.
+fn instanced(
+    objects: Vec<Vec<Surface>>,
+    instances: &[(usize, DAffine3)],
+    surfaces: Vec<Surface>,
+) -> Surfaces {
+    let scene = Scene {
+        surfaces,
+        objects: objects
+            .into_iter()
+            .map(|surfaces| Object {
+                name: "o".into(),
+                surfaces,
+            })
+            .collect(),
+        instances: instances
+            .iter()
+            .map(|&(object, object_to_world)| Instance {
+                object,
+                object_to_world,
+                place: place(),
+            })
+            .collect(),
         ..empty()
     };
     Surfaces::new(&scene, DVec3::ZERO).expect("surfaces")

@@ -1,35 +1,8 @@
 //! Trees find what brute force finds, and instances are the mesh that they transform.
 
 use super::*;
-use woodcock_host::scene::Instance;
 use woodcock_host::surface::Hit;
-
-fn instanced(
-    objects: Vec<Vec<Surface>>,
-    instances: &[(usize, DAffine3)],
-    surfaces: Vec<Surface>,
-) -> Surfaces {
-    let scene = Scene {
-        surfaces,
-        objects: objects
-            .into_iter()
-            .map(|surfaces| Object {
-                name: "o".into(),
-                surfaces,
-            })
-            .collect(),
-        instances: instances
-            .iter()
-            .map(|&(object, object_to_world)| Instance {
-                object,
-                object_to_world,
-                place: place(),
-            })
-            .collect(),
-        ..empty()
-    };
-    Surfaces::new(&scene, DVec3::ZERO).expect("surfaces")
-}
+use woodcock_tests::stats::{samples, seed};
 
 /// Pieces of all kinds and sizes, some far away, some tiny.
 fn clutter(rng: &mut SplitMix, count: usize) -> Vec<Surface> {
@@ -74,12 +47,12 @@ fn probes(rng: &mut SplitMix, count: usize) -> Vec<Ray> {
 
 #[test]
 fn the_tree_finds_what_brute_force_finds() {
-    let mut rng = SplitMix::new(21);
+    let mut rng = SplitMix::new(seed(21));
     let clutter = clutter(&mut rng, 400);
     let tree = ready(clutter.clone());
     let singles: Vec<_> = clutter.into_iter().map(|s| ready(vec![s])).collect();
     let (mut met, mut forgetful) = (0, 0);
-    for ray in probes(&mut rng, 1500) {
+    for ray in probes(&mut rng, samples(1500)) {
         let brute = |lost: fn(usize) -> bool| {
             singles
                 .iter()
@@ -131,11 +104,11 @@ fn meshes_are_watertight_along_edges_and_through_vertices() {
             indices.push([at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
         }
     }
-    let mut rng = SplitMix::new(22);
+    let mut rng = SplitMix::new(seed(22));
     for shift in [DVec3::ZERO, DVec3::new(1e5, 2e5, -1e5)] {
         let moved: Vec<_> = positions.iter().map(|p| *p + shift).collect();
         let surfaces = ready(vec![matter(triangles(moved.clone(), indices.clone()))]);
-        for _ in 0..4000 {
+        for _ in 0..samples(4000) {
             let [a, b, _] = indices[(rng.bits() % indices.len() as u64) as usize];
             let (a, b) = (moved[a as usize], moved[b as usize]);
             let weight = [0.0, 0.5, uniform(&mut rng, 0.0, 1.0)][(rng.bits() % 3) as usize];
@@ -152,7 +125,7 @@ fn meshes_are_watertight_along_edges_and_through_vertices() {
 #[test]
 fn patches_leave_no_gaps() {
     let n = 8_u32;
-    let mut rng = SplitMix::new(23);
+    let mut rng = SplitMix::new(seed(23));
     for scale in [1.0, 1e4] {
         let positions: Vec<_> = (0..=n)
             .flat_map(|i| (0..=n).map(move |j| (i, j)))
@@ -172,7 +145,7 @@ fn patches_leave_no_gaps() {
             indices,
             ..BilinearMesh::default()
         })))]);
-        for k in 0..4000 {
+        for k in 0..samples(4000) {
             let (i, j) = (
                 1 + rng.bits() as u32 % (n - 2),
                 1 + rng.bits() as u32 % (n - 2),
