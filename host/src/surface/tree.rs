@@ -11,6 +11,7 @@ use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2;
+use obvhs::ploc::SortPrecision;
 
 use crate::line::ROUNDING;
 
@@ -167,6 +168,8 @@ impl Tree {
                 // Pieces cost more than boxes here.
                 max_prims_per_leaf: 2,
                 collapse_traversal_cost: 1.0,
+                // A mesh of 10⁶ triangles on a ground 10⁵ times as wide is common: fewer digits would make one heap of it.
+                sort_precision: SortPrecision::U128,
                 ..BvhBuildParams::medium_build()
             },
             &mut Duration::default(),
