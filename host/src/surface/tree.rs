@@ -168,7 +168,7 @@ impl Tree {
                 // Pieces cost more than boxes here.
                 max_prims_per_leaf: 2,
                 collapse_traversal_cost: 1.0,
-                // A mesh of 10⁶ triangles on a ground 10⁵ times as wide is common: fewer digits would make one heap of it.
+                // A small object on a wide ground needs more than 21 bits.
                 sort_precision: SortPrecision::U128,
                 ..BvhBuildParams::medium_build()
             },

@@ -48,9 +48,20 @@ fn probes(rng: &mut SplitMix, count: usize) -> Vec<Ray> {
 #[test]
 fn the_tree_finds_what_brute_force_finds() {
     let mut rng = SplitMix::new(seed(21));
-    let clutter = clutter(&mut rng, 400);
-    let tree = ready(clutter.clone());
-    let singles: Vec<_> = clutter.into_iter().map(|s| ready(vec![s])).collect();
+    let mut clutter = clutter(&mut rng, 400);
+    let mut singles: Vec<_> = clutter.iter().map(|s| ready(vec![s.clone()])).collect();
+    // A mesh has a tree of its own within the tree.
+    let corners: Vec<_> = (0..300)
+        .map(|i| DVec3::splat(0.01 * f64::from(i / 3)) + within(&mut rng, 0.3))
+        .collect();
+    let indices = (0..100).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+    singles.extend(
+        corners
+            .chunks(3)
+            .map(|c| ready(vec![matter(triangle([c[0], c[1], c[2]]))])),
+    );
+    clutter.push(matter(triangles(corners, indices)));
+    let tree = ready(clutter);
     let (mut met, mut forgetful) = (0, 0);
     for ray in probes(&mut rng, samples(1500)) {
         let brute = |lost: fn(usize) -> bool| {
