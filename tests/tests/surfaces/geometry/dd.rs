@@ -89,14 +89,6 @@ impl Dd3 {
         Self(std::array::from_fn(|i| self.0[i] - b.0[i]))
     }
 
-    pub(super) fn plus(self, b: Self) -> Self {
-        Self(std::array::from_fn(|i| self.0[i] + b.0[i]))
-    }
-
-    pub(super) fn times(self, s: Dd) -> Self {
-        Self(self.0.map(|x| x * s))
-    }
-
     pub(super) fn dot(self, b: Self) -> Dd {
         self.0[0] * b.0[0] + self.0[1] * b.0[1] + self.0[2] * b.0[2]
     }
