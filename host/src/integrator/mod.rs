@@ -31,6 +31,8 @@ pub(crate) use walk::{Stretch, Tentative};
 pub(crate) struct Settings {
     /// Scatterings after which a path is cut off; `u32::MAX` is no limit.
     pub(crate) max_depth: u32,
+    /// Into how many paths a camera ray splits.
+    pub(crate) split: u32,
     /// Bound on 1/r² of connections in bidirectional path tracing [1/length²].
     pub(crate) connection_bound: Option<f64>,
 }

@@ -6,7 +6,9 @@
 
 use glam::DVec3;
 use woodcock_core::collision;
+use woodcock_core::stream::Stream;
 
+use super::draws::Given;
 use super::equi_angular::{self, Segment};
 use super::next_event::{self, Source};
 use super::scatter::Site;
@@ -122,16 +124,41 @@ pub(super) fn escaped(world: &World, last: &Last, ray: &Ray) -> DVec3 {
         .sum()
 }
 
-/// One path through a point of the film.
+/// The mean of paths through a point of the film, which share their camera ray.
+///
+/// The first free flights of `settings.split` paths begin with an even comb of numbers with one random offset: Algorithm 2 of
+/// [Raab, Seibert, Keller 2006], with whole paths for its scores.
 pub(crate) fn trace<D: Draws>(
     tracer: &mut Tracer<'_>,
     settings: &Settings,
     film: [f64; 2],
     draws: &mut D,
 ) -> Sample {
-    let world = tracer.world;
     draws.vertex(Subpath::Camera, 0);
-    let mut ray = super::camera::ray(world, film, draws);
+    let ray = super::camera::ray(tracer.world, film, draws);
+    let teeth = settings.split;
+    if teeth <= 1 {
+        return follow(tracer, settings, ray, None, draws);
+    }
+    let offset = u64::from(Stream::<f64>::next_word(draws, true).0);
+    let mut sum = Sample::default();
+    for tooth in 0..u64::from(teeth) {
+        let word = ((tooth << 32) + offset) / u64::from(teeth);
+        let sample = follow(tracer, settings, ray, Some(word as u32), draws);
+        sum.add(&sample, 1.0 / f64::from(teeth));
+    }
+    sum
+}
+
+/// One path along a camera ray, its first flight beginning with a given number, if any.
+fn follow<D: Draws>(
+    tracer: &mut Tracer<'_>,
+    settings: &Settings,
+    mut ray: Ray,
+    first: Option<u32>,
+    draws: &mut D,
+) -> Sample {
+    let world = tracer.world;
     let mut score = Score::default();
     let mut throughput = DVec3::ONE;
     let mut last = Last::certain(ray.origin);
@@ -143,7 +170,13 @@ pub(crate) fn trace<D: Draws>(
         };
         draws.vertex(Subpath::Camera, depth + 1);
         let before = throughput;
-        let flight = tracer.fly(&ray, &mut throughput, draws, &mut scoring);
+        let flight = match first {
+            Some(word) if depth == 0 => {
+                let mut given = Given::new(word, draws);
+                tracer.fly(&ray, &mut throughput, &mut given, &mut scoring)
+            }
+            _ => tracer.fly(&ray, &mut throughput, draws, &mut scoring),
+        };
         let segment = if depth < settings.max_depth {
             near_lamps(tracer, &ray, before, draws, &mut score)
         } else {
