@@ -7,6 +7,7 @@ pub(crate) mod bdpt;
 pub(crate) mod camera;
 mod canvas;
 mod draws;
+mod equi_angular;
 pub(crate) mod glow;
 mod mlt;
 mod next_event;

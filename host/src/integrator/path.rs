@@ -7,10 +7,13 @@
 use glam::DVec3;
 use woodcock_core::collision;
 
+use super::equi_angular::{self, Segment};
+use super::next_event::{self, Source};
 use super::scatter::Site;
 use super::tracer::{End, Tracer, Witness};
+use super::transmit::mean;
 use super::walk::Tentative;
-use super::{Draws, Matter, Sample, Score, Settings, Subpath, next_event};
+use super::{Draws, Matter, Sample, Score, Settings, Subpath};
 use crate::bsdf::Transport;
 use crate::ray::Ray;
 use crate::surface::Hit;
@@ -26,6 +29,8 @@ pub(super) struct Last {
     normal: DVec3,
     /// Density of the ray's direction [1/sr]; infinite where nothing competes.
     pdf: f64,
+    /// How the place itself was found, if by a flight that competes with sampling by nearness.
+    found: Option<equi_angular::Found>,
 }
 
 impl Last {
@@ -35,6 +40,7 @@ impl Last {
             point,
             normal: DVec3::ZERO,
             pdf: f64::INFINITY,
+            found: None,
         }
     }
 
@@ -94,8 +100,14 @@ pub(super) fn found(world: &World, last: &Last, ray: &Ray, hit: &Hit) -> DVec3 {
     if radiance == DVec3::ZERO || last.pdf == f64::INFINITY {
         return radiance;
     }
-    let competing = lighting.hit_pdf(&world.surfaces, last.point, last.normal, hit);
-    radiance * last.share(competing * (1.0 - world.glow_choice()))
+    let surfaces = &world.surfaces;
+    let mut competing = lighting.hit_pdf(surfaces, last.point, last.normal, hit);
+    competing *= 1.0 - world.glow_choice();
+    if let (Some(found), Some(emitter)) = (&last.found, hit.emitter) {
+        let pdf = surfaces.emitter_pdf(emitter, last.point, &hit.anchor);
+        competing += found.ratio(world, lighting.first_emitter() + emitter) * pdf;
+    }
+    radiance * last.share(competing)
 }
 
 /// Radiance that arrives from far away along a ray, times its share.
@@ -130,7 +142,14 @@ pub(crate) fn trace<D: Draws>(
             ray: &ray,
         };
         draws.vertex(Subpath::Camera, depth + 1);
+        let before = throughput;
         let flight = tracer.fly(&ray, &mut throughput, draws, &mut scoring);
+        let segment = if depth < settings.max_depth {
+            near_lamps(tracer, &ray, before, draws, &mut score)
+        } else {
+            None
+        };
+        let mut found_by_flight = None;
         let (site, albedo) = match flight.end {
             End::Escape => {
                 score.add(throughput * escaped(world, &last, &ray), Matter::Nothing);
@@ -149,6 +168,11 @@ pub(crate) fn trace<D: Draws>(
                 let site = Site::in_medium(ray.at(t), medium);
                 let albedo = DVec3::from(local.albedo);
                 score.meet(Matter::Medium, &site, t, albedo);
+                found_by_flight = segment.map(|segment| equi_angular::Found {
+                    segment,
+                    t,
+                    density: mean(local.sigma_t) * flight.passage,
+                });
                 (site, Some(albedo))
             }
         };
@@ -166,7 +190,11 @@ pub(crate) fn trace<D: Draws>(
         if !site.is_specular() {
             if let Some(lit) = next_event::sample(tracer, &site, from, draws) {
                 let found = site.pdf(world, from, lit.direction, Transport::Radiance) * lit.flown;
-                let share = lit.pdf / (lit.pdf + found);
+                let near = match (&found_by_flight, &lit.source) {
+                    (Some(found), Source::Lamp(lamp)) => found.ratio(world, lamp.light) * lamp.pdf,
+                    _ => 0.0,
+                };
+                let share = lit.pdf / (lit.pdf + found + near);
                 let first = score.first();
                 score.add(throughput * lit.radiance * share, first);
             }
@@ -187,9 +215,32 @@ pub(crate) fn trace<D: Draws>(
             } else {
                 onward.pdf
             },
+            found: found_by_flight,
         };
     }
     score.sample()
+}
+
+/// Scores light of lamps that is scattered once on the stretch of a ray that was flown last, where nearness is worth
+/// sampling; then others need to know.
+fn near_lamps<D: Draws>(
+    tracer: &mut Tracer<'_>,
+    ray: &Ray,
+    throughput: DVec3,
+    draws: &mut D,
+    score: &mut Score,
+) -> Option<Segment> {
+    let stretches = std::mem::take(&mut tracer.stretches);
+    let segment = Segment::new(tracer.world, ray, &stretches);
+    if let Some(radiance) = segment.and_then(|s| s.sample(tracer, &stretches, draws)) {
+        score.add_scattered(
+            throughput * radiance,
+            Matter::Medium,
+            score.scatterings() + 1,
+        );
+    }
+    tracer.stretches = stretches;
+    segment
 }
 
 /// Roulette on throughput times albedo.

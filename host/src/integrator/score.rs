@@ -95,6 +95,11 @@ impl Score {
         self.first.unwrap_or_default()
     }
 
+    /// How often the path has been scattered.
+    pub(crate) fn scatterings(&self) -> u32 {
+        self.scatterings
+    }
+
     /// The path scatters.
     pub(crate) fn scatter(&mut self) {
         self.scatterings += 1;
