@@ -365,10 +365,10 @@ pub fn all() -> Vec<Exhibit> {
         Exhibit::new(
             "media that overlap",
             front(),
-            sun([1.0, 2.0, -1.0], [2.0; 3])
+            disk_above([4.0; 3])
                 + &fog
                 + &fire(0.5)
-                + &homogeneous("smoke", &tinted)
+                + &homogeneous("smoke", &grey(2.0, 0.7, -0.3))
                 + &ball("fog", "", [0.0; 3], 1.4)
                 + &block("fire", "", [[-0.8, -0.9, -0.8], [0.5, 0.9, 0.8]])
                 + &ball("smoke", "", [0.5, 0.1, 0.0], 0.6),
@@ -407,7 +407,10 @@ pub fn all() -> Vec<Exhibit> {
         Exhibit::new(
             "a camera in fog",
             format!("MediumInterface \"\" \"fog\"\n{}", perspective([0.0, 0.2, -1.0], [0.0, -0.1, 1.0], 60.0)),
-            disk_above([8.0; 3]) + &ground + &fog + &ball("fog", "", [0.0; 3], 1.5),
+            "MediumInterface \"\" \"\"\n".to_owned()
+                + &disk_above([8.0; 3])
+                + &ground
+                + &fog + &ball("fog", "", [0.0; 3], 1.5),
         ),
         Exhibit::new(
             "milk in a glass ball",

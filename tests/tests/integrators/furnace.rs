@@ -17,9 +17,9 @@ const INTEGRATORS: [Integrator; 3] = [Integrator::Path, Integrator::Bdpt, Integr
 /// Samples, since light at the same place everywhere makes little noise.
 const fn depth(integrator: Integrator) -> u32 {
     match integrator {
-        Integrator::Bdpt => 48,
-        Integrator::Mlt => 32,
-        _ => 64,
+        Integrator::Bdpt => 128,
+        Integrator::Mlt => 96,
+        _ => 256,
     }
 }
 
@@ -40,13 +40,13 @@ fn assert_white(exhibit: &Exhibit, seed: u64, value: f64) {
 
 const GLASS: &str = "Material \"dielectric\"";
 
-/// Surfaces that absorb nothing, whatever is between them. (A conductor of reflectance 1 is taken as 0.9999 head-on, which
-/// takes 2·10⁻⁴ of diffuse light.)
+/// Surfaces that absorb nothing, whatever is between them. (A conductor "of reflectance 1" is taken as 0.9999 head-on and
+/// less at other angles, which shows; an extinction of 10⁶ leaves 1 − 4·10⁻¹² of the light.)
 fn surfaces() -> String {
     sphere(&diffuse([1.0; 3]), [-0.9, 0.3, 0.0], 0.4)
         + &sphere(GLASS, [0.1, 0.4, -0.6], 0.4)
         + &sphere(
-            "Material \"conductor\" \"rgb reflectance\" [ 1 1 1 ]",
+            "Material \"conductor\" \"rgb eta\" [ 1 1 1 ] \"rgb k\" [ 1e6 1e6 1e6 ]",
             [0.9, 0.4, 0.3],
             0.4,
         )
@@ -68,10 +68,9 @@ fn with_phase(sigma_s: f64, phase: &str) -> Matter {
     }
 }
 
-/// Media of albedo 1 that overlap, of different extinctions by colour and different phase functions.
-fn media() -> String {
+/// Grey media of albedo 1 that overlap, of different phase functions.
+fn overlapping() -> String {
     homogeneous("grey", &white([0.8; 3], 0.5))
-        + &homogeneous("coloured", &white([0.3, 0.8, 2.0], -0.3))
         + &uniform_grid(
             "grid",
             [8; 3],
@@ -95,11 +94,20 @@ fn media() -> String {
             &with_phase(1.0, "\"droplets\" \"float diameter\" 8"),
         )
         + &ball("grey", "", [0.0; 3], 1.3)
-        + &ball("coloured", "", [0.6, 0.0, 0.4], 0.7)
         + &block("grid", "", UNIT)
         + &ball("draine", "", [-0.7, 0.6, 0.0], 0.6)
         + &ball("lobes", "", [0.6, 0.8, 0.0], 0.5)
         + &ball("drops", "", [-0.3, -0.4, -0.5], 0.5)
+}
+
+/// Media of albedo 1 whose extinction differs between colours: one in another, and one beside them.
+fn in_colour() -> String {
+    homogeneous("coloured", &white([0.3, 0.8, 2.0], -0.3))
+        + &uniform_grid("grid", [8; 3], UNIT, lumps, &white([2.0, 1.0, 0.3], 0.6))
+        + &homogeneous("clear", &white([0.0, 0.5, 1.5], 0.0))
+        + &ball("coloured", "", [-0.3, 0.0, 0.0], 0.9)
+        + &block("grid", "coloured", [[-0.7, -0.4, -0.5], [0.1, 0.5, 0.4]])
+        + &ball("clear", "", [1.1, 0.1, 0.4], 0.4)
 }
 
 #[test]
@@ -110,50 +118,49 @@ fn surfaces_that_absorb_nothing_are_white() {
 
 #[test]
 fn media_that_absorb_nothing_are_white() {
-    let world = sky(1.0) + &media() + &sphere(&diffuse([1.0; 3]), [0.0, -0.5, 0.8], 0.3);
-    let exhibit = Exhibit::new("media", front(), world);
+    let ball = sphere(&diffuse([1.0; 3]), [0.0, -0.5, 0.8], 0.3);
+    let exhibit = Exhibit::new("grey media", front(), sky(1.0) + &overlapping() + &ball);
     assert_white(&exhibit, 3010, 1.0);
+    let exhibit = Exhibit::new("coloured media", front(), sky(1.0) + &in_colour() + &ball);
+    assert_white(&exhibit, 3015, 1.0);
+}
+
+fn milk(sigma_s: Xyz) -> String {
+    homogeneous("milk", &white(sigma_s, 0.3)) + &in_glass("milk", "", [-0.7, -0.6, -1.1], 0.3)
 }
 
 #[test]
 fn everything_at_once_is_white() {
-    let milk = homogeneous("milk", &white([3.0, 2.0, 1.0], 0.3))
-        + &in_glass("milk", "", [-0.6, -0.5, -0.9], 0.4);
-    let exhibit = Exhibit::new(
-        "everything",
-        front(),
-        sky(1.0) + &surfaces() + &media() + &milk,
+    let world = sky(1.0) + &surfaces() + &overlapping() + &milk([3.0; 3]);
+    assert_white(&Exhibit::new("everything", front(), world), 3020, 1.0);
+    let world = sky(1.0) + &surfaces() + &in_colour() + &milk([3.0, 2.0, 1.0]);
+    assert_white(
+        &Exhibit::new("everything in colour", front(), world),
+        3025,
+        1.0,
     );
-    assert_white(&exhibit, 3020, 1.0);
 }
 
 #[test]
 fn a_camera_inside_of_media_sees_white() {
-    let from = [0.1, -0.1, 0.1];
-    let camera = format!(
-        "MediumInterface \"\" \"grey\"\n{}",
-        perspective(from, [0.2, 0.3, 1.0], 90.0)
-    );
-    let exhibit = Exhibit::new(
-        "from inside",
-        camera,
-        sky(1.0) + &media() + &floor(&diffuse([1.0; 3])),
-    );
-    assert_white(&exhibit, 3030, 1.0);
+    for (name, medium, media, seed) in [
+        ("within grey media", "grey", overlapping(), 3030),
+        ("within coloured media", "coloured", in_colour(), 3035),
+    ] {
+        let view = perspective([0.02, -0.1, 0.1], [0.2, 0.3, 1.0], 90.0);
+        let camera =
+            format!("MediumInterface \"\" \"{medium}\"\n{view}\nMediumInterface \"\" \"\"");
+        let world = sky(1.0) + &media + &floor(&diffuse([1.0; 3]));
+        assert_white(&Exhibit::new(name, camera, world), seed, 1.0);
+    }
 }
 
 #[test]
 fn a_picture_of_one_colour_is_as_good_as_none() {
-    let mut exhibit = Exhibit::new(
-        "a picture",
-        front(),
-        "LightSource \"infinite\" \"string filename\" \"white.exr\"\n".to_owned()
-            + &surfaces()
-            + &media(),
-    );
-    exhibit.files = exhibit
-        .files
-        .with("white.exr", picture([8, 4], |_, _| [1.0; 3]));
+    let light = "LightSource \"infinite\" \"string filename\" \"white.exr\"\n".to_owned();
+    let mut exhibit = Exhibit::new("a picture", front(), light + &surfaces() + &overlapping());
+    let one = picture([8, 4], |_, _| [1.0; 3]);
+    exhibit.files = exhibit.files.with("white.exr", one);
     assert_white(&exhibit, 3040, 1.0);
 }
 
@@ -199,7 +206,7 @@ fn what_does_not_absorb_does_not_show_in_a_cavity() {
         "MediumInterface \"\" \"fog\"\n{}",
         perspective([-0.7, 0.3, -1.0], [0.4, -0.2, 1.0], 80.0)
     );
-    let contents = homogeneous("fog", &white([0.3, 0.5, 0.8], 0.4))
+    let contents = homogeneous("fog", &white([0.5; 3], 0.4))
         + &uniform_grid("grid", [8; 3], UNIT, lumps, &white([1.0; 3], 0.0))
         + &block("grid", "", [[-0.9; 3], [0.4, 0.9, 0.9]])
         + &sphere(&diffuse([1.0; 3]), [0.9, -0.5, 0.6], 0.4)

@@ -8,14 +8,14 @@ use woodcock_tests::replicates::Replicates;
 /// Samples of a picture, by what one costs and how noisy it is.
 pub(super) const fn depth(integrator: Integrator) -> u32 {
     match integrator {
-        Integrator::Path | Integrator::Single | Integrator::Transmittance => 160,
-        Integrator::Bdpt => 64,
-        Integrator::Mlt => 48,
+        Integrator::Path | Integrator::Single | Integrator::Transmittance => 640,
+        Integrator::Bdpt => 256,
+        Integrator::Mlt => 192,
     }
 }
 
 /// Relative standard error of the difference of two pictures' means that a comparison must reach.
-const RESOLUTION: f64 = 0.012;
+const RESOLUTION: f64 = 0.01;
 
 fn replicates(exhibit: &Exhibit, integrator: Integrator, seed: u64) -> Replicates {
     let studio = exhibit.stage(integrator, seed);

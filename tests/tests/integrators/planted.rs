@@ -57,9 +57,9 @@ impl Scene {
 
     fn shoot(&self, integrator: Integrator, seed: u64) -> Replicates {
         let n = match integrator {
-            Integrator::Path => 320,
-            Integrator::Bdpt => 96,
-            _ => 64,
+            Integrator::Path => 640,
+            Integrator::Bdpt => 256,
+            _ => 192,
         };
         Replicates::of("planted", &self.exhibit().stage(integrator, seed), n)
     }
