@@ -23,7 +23,7 @@ def arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--woodcock", type=Path, required=True, help="the binary")
     parser.add_argument("--scenes", nargs="+", metavar="NAME", help="all, if not given")
-    parser.add_argument("--spp", type=int, default=1024, help="samples per pixel of either renderer")
+    parser.add_argument("--spp", type=int, default=256, help="samples per pixel of either renderer, more in noisy scenes")
     parser.add_argument("--seeds", type=int, default=32, help="renderings of Mitsuba, of spp / seeds samples each")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--integrator", default="path", help="of woodcock")
@@ -39,7 +39,7 @@ def write_exr(path, pixels):
         file.write(str(path))
 
 
-def render_woodcock(args, name, pictures):
+def render_woodcock(args, name, spp, pictures):
     """Mean and variance of the mean, (height, width, 3)."""
     folder = args.out / "scenes"
     folder.mkdir(parents=True, exist_ok=True)
@@ -49,7 +49,7 @@ def render_woodcock(args, name, pictures):
         write_exr(folder / picture, make())
     image = args.out / f"{name}.woodcock.exr"
     command = [args.woodcock, folder / f"{name}.pbrt", "--integrator", args.integrator, "-q", "-o", image]
-    command += ["--spp", str(args.spp), "--seed", str(args.seed)]
+    command += ["--spp", str(spp), "--seed", str(args.seed)]
     subprocess.run([str(word) for word in command], check=True)
     with OpenEXR.File(str(image), separate_channels=True) as file:
         channels = file.channels()
@@ -58,14 +58,13 @@ def render_woodcock(args, name, pictures):
     return mean, variance
 
 
-def render_mitsuba(args, name, description):
+def render_mitsuba(args, name, spp, description):
     """(seeds, height, width, 3)."""
     import mitsuba as mi
 
     scene = mi.load_dict(description)
-    spp = max(args.spp // args.seeds, 1)
     first = args.seed * 100_000
-    images = [np.array(mi.render(scene, spp=spp, seed=first + i), np.float64) for i in range(args.seeds)]
+    images = [np.array(mi.render(scene, spp=max(spp // args.seeds, 1), seed=first + i), np.float64) for i in range(args.seeds)]
     images = np.stack(images)[..., :3]
     write_exr(args.out / f"{name}.mitsuba.exr", images.mean(0))
     return images
@@ -84,19 +83,23 @@ def main():
         return 2
     args.out.mkdir(parents=True, exist_ok=True)
     fine = True
-    print(f"Mitsuba {mi.__version__} {args.variant}, woodcock {args.integrator}, {args.spp} samples per pixel")
-    print("| scene | max abs z (row, column, channel) | mean z | rms z | difference | standard error | z | planted z | seconds | verdict |")
-    print("|---|---|---|---|---|---|---|---|---|---|")
+    version = subprocess.run([str(args.woodcock), "--version"], check=True, capture_output=True, text=True).stdout.strip()
+    print(f"Mitsuba {mi.__version__} {args.variant}, {version} {args.integrator}, {args.spp} samples per pixel")
+    print()
+    columns = ["scene", "blocks: max abs z", "mean z", "rms z", "image: difference", "its standard error", "z"]
+    columns += ["planted: z (blocks)", "seconds", "verdict"]
+    print(f"| {' | '.join(columns)} |\n{'|---' * len(columns)}|")
     for name in args.scenes or scenes.SCENES:
         start = time.monotonic()
-        mean, variance = render_woodcock(args, name, scenes.PICTURES.get(name, {}))
+        spp = args.spp * scenes.NOISY.get(name, 1)
+        mean, variance = render_woodcock(args, name, spp, scenes.PICTURES.get(name, {}))
         middle = time.monotonic()
         build = scenes.SCENES[name]
         description = build(args.out / "scenes") if build.__code__.co_argcount else build()
-        renderings = render_mitsuba(args, name, description)
+        renderings = render_mitsuba(args, name, spp, description)
         end = time.monotonic()
-        found = judge.judge(mean, variance, args.spp, renderings)
-        planted = judge.judge(mean * args.plant, variance * args.plant**2, args.spp, renderings)
+        found = judge.judge(mean, variance, spp, renderings)
+        planted = judge.judge(mean * args.plant, variance * args.plant**2, spp, renderings)
         verdict = "agrees" if found.agrees else "DIFFERS"
         if planted.agrees:
             verdict += ", PLANT NOT FOUND"

@@ -171,7 +171,7 @@ def rough_glass():
 
 
 def metal(eta, k, alpha_u=None, alpha_v=None):
-    indices = {"eta": rgb_unbounded(eta), "k": rgb_unbounded(k)}
+    indices = {"eta": rgb(*eta), "k": rgb(*k)}
     if alpha_u is None:
         return {"type": "conductor", **indices}
     rough = {
@@ -182,10 +182,6 @@ def metal(eta, k, alpha_u=None, alpha_v=None):
         **indices,
     }
     return masking.correlated(rough, alpha_u, alpha_v)
-
-
-def rgb_unbounded(values):
-    return {"type": "rgb", "value": list(values)}
 
 
 COPPERY = ([0.2, 0.92, 1.1], [3.9, 2.45, 2.14])
@@ -243,8 +239,8 @@ def sun_cube():
     return scene(
         camera([2.5, 2, -5], [0, 0, 0], 40),
         volumetric=True,
-        sun=sun([-1, 2, -1.5], 3, 3, 3),
-        dense=cube(T().rotate([0, 1, 0], 20), fog([7.8, 7.6, 7.2], [0.2, 0.4, 0.8], 0.8)),
+        sun=sun([1.5, 2, 2.5], 3, 3, 3),
+        fog=cube(T().rotate([0, 1, 0], 20), fog([3.9, 3.8, 3.6], [0.1, 0.2, 0.4], 0.8)),
     )
 
 
@@ -298,7 +294,7 @@ def radiance_of_the_sky(x, y, z):
     return np.stack([b + s * spot for b, s in zip(base, (5, 4, 3))], -1).astype(np.float32)
 
 
-def sky_for_mitsuba(height=256):
+def sky_for_mitsuba(height=1024):
     """Rows from +y to -y, the first and the last *on* the poles; columns from -z over +x, their centres at halves."""
     width = 2 * height
     theta = np.pi * np.arange(height) / (height - 1)
@@ -307,7 +303,7 @@ def sky_for_mitsuba(height=256):
     return radiance_of_the_sky(np.sin(t) * np.sin(p), np.cos(t), -np.sin(t) * np.cos(p))
 
 
-def sky_for_woodcock(height=256):
+def sky_for_woodcock(height=1024):
     """Rows from the light's +z to its -z, columns from +x over +y, all centres at halves.
 
     The scene turns the light by -90 degrees about x: its (x, y, z) is the world's (x, z, -y).
@@ -417,8 +413,6 @@ def instances(folder):
 SCENES = {
     function.__name__.replace("_", "-"): function
     for function in (
-        box,
-        box_fog,
         glass,
         rough_glass,
         rough_metal,
@@ -433,8 +427,13 @@ SCENES = {
         texture,
         normals,
         instances,
+        box,
+        box_fog,
     )
 }
+
+# How many times more samples scenes of much noise take.
+NOISY = {"sun-cube": 8, "spot-fog": 8, "point-fog": 4}
 
 # Pictures that a scene's pbrt file names, written beside a copy of it.
 PICTURES = {"picture-sky": {"sky.exr": sky_for_woodcock}, "texture": {"tiles.exr": tiles}}
