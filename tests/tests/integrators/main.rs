@@ -1,4 +1,5 @@
 //! Integrators against each other, against closed forms and tables.
+<<<<<<< HEAD
 //!
 //! Comparisons of pictures are by `woodcock_tests::replicates`: of each pair and colour the whole and the tiles are tested,
 //! either with a false alarm in 10⁶ (|z| of 4.892 for one deviate). A comparison that cannot resolve what it states is a
@@ -10,3 +11,9 @@ mod equivalence;
 mod furnace;
 mod pairwise;
 mod planted;
+=======
+
+mod closed_forms;
+mod surfaces;
+mod tables;
+>>>>>>> w4-t2
