@@ -1,5 +1,4 @@
 //! Integrators against each other, against closed forms and tables.
-<<<<<<< HEAD
 //!
 //! Comparisons of pictures are by `woodcock_tests::replicates`: of each pair and colour the whole and the tiles are tested,
 //! either with a false alarm in 10⁶ (|z| of 4.892 for one deviate). A comparison that cannot resolve what it states is a
@@ -7,13 +6,10 @@
 #![forbid(unsafe_code)]
 
 mod bits;
+mod closed_forms;
 mod equivalence;
 mod furnace;
 mod pairwise;
 mod planted;
-=======
-
-mod closed_forms;
 mod surfaces;
 mod tables;
->>>>>>> w4-t2
