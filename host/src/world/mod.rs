@@ -230,7 +230,7 @@ pub fn assemble(scene: &Scene, files: &dyn Files, options: &Options) -> Result<W
         },
     );
     let chromatic_media = assembled.media.iter().filter(|m| m.is_chromatic()).count();
-    let chromatic = needs.decide(
+    needs.decide(
         Feature::Chromatic,
         chromatic_media > 0,
         keep,
@@ -240,15 +240,7 @@ pub fn assemble(scene: &Scene, files: &dyn Files, options: &Options) -> Result<W
             "grey extinction: one scalar weight".to_owned()
         },
     );
-    let place = locate(
-        scene,
-        &assembled,
-        origin,
-        chromatic,
-        keep,
-        &mut needs,
-        &mut warnings,
-    )?;
+    let place = locate(scene, &assembled, origin, keep, &mut needs, &mut warnings);
     lights_needed(scene, keep, &mut needs);
     let rayleigh = assembled.media.iter().any(|m| m.record.rayleigh);
     let reason = if rayleigh {
@@ -341,11 +333,13 @@ fn scalar_needed(
     };
     needs.decide(Feature::LocalLights, local > 0, &[], reason);
     let detailed = media.iter().filter(|medium| !medium.is_plain()).count();
-    let reason = match detailed {
-        0 => "media are grey or of one colour, and dark".to_owned(),
-        n => format!("{n} media shine, vary in colour or scatter by other laws"),
+    let mixed = overlaps && needs.runs(Feature::Chromatic);
+    let reason = match (detailed, mixed) {
+        (0, false) => "media are grey or of one colour, and dark".to_owned(),
+        (0, true) => "coloured media overlap".to_owned(),
+        (n, _) => format!("{n} media shine, vary in colour or scatter by other laws"),
     };
-    needs.decide(Feature::DetailedMedia, detailed > 0, &[], reason);
+    needs.decide(Feature::DetailedMedia, detailed > 0 || mixed, &[], reason);
     let at_points = scene
         .lights
         .iter()
