@@ -23,6 +23,10 @@ use crate::world::World;
 
 /// Below this throughput a path plays roulette, and survives with it.
 const ROULETTE: f64 = 0.25;
+/// From this many scatterings on every path plays another roulette, whatever it carries: between white walls it would never
+/// end. It survives each with this chance.
+const LONG: u32 = 1 << 16;
+const SURVIVAL: f64 = 1.0 - 1.0 / 4096.0;
 
 /// Where the present ray began, as light sampling there would compete with it.
 #[derive(Clone, Copy, Debug)]
@@ -215,7 +219,7 @@ fn follow<D: Draws>(
         if let Some(albedo) = albedo {
             throughput *= albedo;
         }
-        if !survives(&mut throughput, draws) {
+        if !survives(&mut throughput, depth, draws) {
             break;
         }
         score.scatter();
@@ -277,7 +281,13 @@ fn near_lamps<D: Draws>(
 }
 
 /// Roulette on throughput times albedo.
-fn survives(throughput: &mut DVec3, draws: &mut impl Draws) -> bool {
+fn survives(throughput: &mut DVec3, depth: u32, draws: &mut impl Draws) -> bool {
+    if depth >= LONG {
+        if draws.one() >= SURVIVAL {
+            return false;
+        }
+        *throughput /= SURVIVAL;
+    }
     let largest = throughput.max_element();
     if largest <= 0.0 {
         return false;
