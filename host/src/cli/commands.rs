@@ -109,6 +109,14 @@ fn plan(args: &RenderArgs, scene: &Scene, world: &World) -> Result<(Plan, String
         .unwrap_or_else(|| Integrator::named(&scene.integrator.name).unwrap_or_default());
     let mut plan = Plan::new(world, args.kernel, integrator, seed, shadow, args.max_depth);
     fit(args, &mut plan)?;
+    if !plan.in_packets(world) && args.transmittance == Some(Transmittance::Delta) {
+        let message = "--transmittance delta: only scenes of plain media under suns and constant skies can do it";
+        return Err(Failure::Usage(message.into()));
+    }
+    if !world.surfaces.is_empty() {
+        // Walls bound what fills space, and absorb; where neither does, scalar paths play roulette in the end.
+        return Ok((plan, estimator.name().to_owned()));
+    }
     if plan.settings.max_depth == u32::MAX && world.is_endless() {
         let message = "a medium of albedo 1 fills all space: paths would never end";
         let error = SceneError::of_file("the scene", message);
@@ -241,12 +249,19 @@ fn render(
     let cpu = cpu_before
         .zip(cpu_time())
         .map(|(a, b)| b.saturating_sub(a).as_secs_f64());
-    let kernel = plan.kernel.name();
-    let lanes = match plan.kernel {
-        Kernel::Packet => woodcock_packet::lanes::LANES as u64,
-        Kernel::Scalar => 1,
+    let used = if plan.in_packets(world) {
+        plan.kernel
+    } else {
+        Kernel::Scalar
     };
-    let utilisation = counts.busy_lanes as f64 / (counts.steps * lanes).max(1) as f64;
+    let kernel = used.name();
+    let utilisation = match used {
+        Kernel::Packet => {
+            let lanes = counts.steps * woodcock_packet::lanes::LANES as u64;
+            counts.busy_lanes as f64 / lanes.max(1) as f64
+        }
+        Kernel::Scalar => 1.0,
+    };
     Ok(Rendered {
         channels: layers.channels(&film),
         film,
