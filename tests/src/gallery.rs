@@ -1,7 +1,7 @@
 //! Small scenes with everything that scalar integrators meet, each of which converges soon.
 //!
-//! None of them has light that only some integrators find: no lamp without extent is seen through or in something specular
-//! alone. Lamps without extent stay outside of media, where next-event estimation would have no variance.
+//! None of them has light that only some integrators find: what lamps without extent send through glass or by mirrors, path
+//! tracing never meets, and light paths do where it falls on something rough. Lamps without extent stay outside of media, where next-event estimation would have no variance.
 
 use std::io::Cursor;
 
@@ -115,7 +115,7 @@ pub fn picture([width, height]: [u32; 2], value: impl Fn(u32, u32) -> Xyz) -> Ve
     bytes.into_inner()
 }
 
-/// `sky.exr` with a bright spot, and `tiles.exr` between 0 and 1.
+/// `sky.exr` with a bright spot, `tiles.exr` between 0 and 1, and `round.exr` for a lamp.
 fn pictures() -> MemoryFiles {
     let sky = |x: u32, y: u32| {
         let bright = if (x, y) == (3, 2) { 25.0 } else { 0.0 };
@@ -126,9 +126,12 @@ fn pictures() -> MemoryFiles {
         1 => [0.1, 0.7, 0.3],
         _ => [0.6, 0.6, 0.9],
     };
+    let round =
+        |x: u32, y: u32| [1.0, 0.9, 0.8].map(|c| c * (0.4 + 0.1 * f64::from(x % 3 + y % 4)));
     MemoryFiles::new()
         .with("sky.exr", picture([16, 8], sky))
         .with("tiles.exr", picture([6, 5], tiles))
+        .with("round.exr", picture([8, 8], round))
 }
 
 /// A floor at −1 of a material.
@@ -423,11 +426,9 @@ pub fn all() -> Vec<Exhibit> {
         )
         .limited(8),
         Exhibit::new(
-            "a thin pane by a lamp with a picture",
+            "a thin pane before a ball",
             front(),
-            "AttributeBegin Translate 1.3 1.9 -1.2 LightSource \"goniometric\" \"string filename\" \"round.exr\" \
-             \"rgb I\" [ 9 8 7 ] AttributeEnd\n"
-                .to_owned()
+            disk_above([5.0; 3])
                 + &sky(0.3)
                 + &ground
                 + &sphere(&diffuse([0.3, 0.5, 0.7]), [0.3, -0.4, 0.8], 0.6)
@@ -437,14 +438,17 @@ pub fn all() -> Vec<Exhibit> {
                      \"integer indices\" [ 0 1 2 0 2 3 ]",
                 ),
         ),
+        Exhibit::new(
+            "a lamp with a picture",
+            front(),
+            "AttributeBegin Translate 1.3 1.9 -1.2 LightSource \"goniometric\" \"string filename\" \"round.exr\" \
+             \"rgb I\" [ 9 8 7 ] AttributeEnd\n"
+                .to_owned()
+                + &ground
+                + &homogeneous("m", &coloured([0.3; 3], [0.9, 0.6, 0.3], -0.4))
+                + &ball("m", "", [-0.4, 0.0, 0.0], 0.7)
+                + &sphere(&diffuse([0.3, 0.5, 0.7]), [0.6, -0.4, 0.3], 0.5),
+        )
+        .with_pictures(),
     ]
-    .into_iter()
-    .map(|exhibit| {
-        let round = picture([8, 8], |x, y| [1.0, 0.9, 0.8].map(|c| c * (0.4 + 0.1 * f64::from(x % 3 + y % 4))));
-        Exhibit {
-            files: exhibit.files.clone().with("round.exr", round),
-            ..exhibit
-        }
-    })
-    .collect()
 }

@@ -9,10 +9,17 @@ use woodcock_tests::gallery::*;
 use woodcock_tests::pictures::*;
 use woodcock_tests::replicates::Replicates;
 
-use super::pairwise::depth;
+/// Samples, which the limits on scatterings let suffice.
+const fn depth(integrator: Integrator) -> u32 {
+    match integrator {
+        Integrator::Bdpt => 128,
+        Integrator::Mlt => 128,
+        _ => 192,
+    }
+}
 
 /// Relative standard error that each comparison must reach.
-const RESOLUTION: f64 = 0.01;
+const RESOLUTION: f64 = 0.015;
 
 fn view() -> String {
     perspective([0.0, 0.4, -4.0], [0.0, -0.12, 1.0], 32.0)
@@ -97,14 +104,14 @@ fn sayings(colours: [Xyz; 2]) -> Vec<Exhibit> {
 
 #[test]
 fn a_constant_medium_may_be_said_in_many_ways() {
-    said_in_many_ways(&sayings(GREY), 6000);
+    said_in_many_ways(&sayings(GREY), Integrator::Bdpt, 6000);
     // Coloured media may not overlap.
     let sayings = sayings(COLOURED);
-    said_in_many_ways(&sayings[..4], 6050);
+    said_in_many_ways(&sayings[..4], Integrator::Mlt, 6050);
 }
 
 #[track_caller]
-fn said_in_many_ways(sayings: &[Exhibit], seed: u64) {
+fn said_in_many_ways(sayings: &[Exhibit], light_paths: Integrator, seed: u64) {
     let shoot = |exhibit: &Exhibit, integrator, seed: u64| {
         Replicates::of(
             exhibit.name,
@@ -114,9 +121,8 @@ fn said_in_many_ways(sayings: &[Exhibit], seed: u64) {
     };
     for (integrator, seed) in [
         (Integrator::Path, seed),
-        (Integrator::Bdpt, seed + 10),
-        (Integrator::Mlt, seed + 20),
-        (Integrator::Transmittance, seed + 30),
+        (Integrator::Transmittance, seed + 10),
+        (light_paths, seed + 20),
     ] {
         let reference = shoot(&sayings[0], integrator, seed);
         for (exhibit, seed) in sayings[1..].iter().zip(seed + 1..) {
@@ -235,7 +241,7 @@ fn scalar_paths_and_packets_make_one_picture() {
             let scalar = replan(scalar, Integrator::Path, seed + 1, limit);
             assert!(!scalar.plan.in_packets(&scalar.world), "{}", exhibit.name);
             let [scalar, packets] =
-                [scalar, packets].map(|s| Replicates::of(exhibit.name, &s, 320));
+                [scalar, packets].map(|s| Replicates::of(exhibit.name, &s, 192));
             scalar.assert_same(
                 &format!("{}, limit {limit:?}", exhibit.name),
                 &packets,
@@ -249,12 +255,12 @@ fn scalar_paths_and_packets_make_one_picture() {
 fn light_paths_agree_with_packets() {
     for (exhibit, seed) in media_only().iter().zip((6300..).step_by(10)) {
         let packets = replan(stage(&exhibit.text()), Integrator::Path, seed, None);
-        let packets = Replicates::of(exhibit.name, &packets, 640);
+        let packets = Replicates::of(exhibit.name, &packets, 384);
         for (integrator, seed) in [(Integrator::Bdpt, seed + 1), (Integrator::Mlt, seed + 2)] {
             let other = exhibit.stage(integrator, seed);
             let other = Replicates::of(exhibit.name, &other, depth(integrator));
             let name = format!("{}, {}", exhibit.name, integrator.name());
-            other.assert_same(&name, &packets, 0.012);
+            other.assert_same(&name, &packets, 0.02);
         }
     }
 }

