@@ -2,6 +2,7 @@
 //!
 //! A scene file becomes a [`scene::Scene`], which says what is where; [`world::assemble`] reads its
 //! volumes and makes the tables, the geometry and the choice of kernel that [`render`] traces paths with;
+//! where there are surfaces or lights among media, scalar integrators ([`integrator`]) take their place;
 //! [`film`] sums their samples exactly, and [`image`] writes the picture.
 #![forbid(unsafe_code)]
 

@@ -35,6 +35,10 @@ pub struct Plan {
     pub integrator: Integrator,
     /// Bound on 1/r² of connections between subpaths, for the bidirectional integrators [1/length²].
     pub connection_bound: Option<f64>,
+    /// Into how many paths a camera ray splits in media; at least one.
+    pub split: u32,
+    /// Whether further layers of the picture are wanted, which packets do not keep.
+    pub layers: bool,
     /// Seed of all random numbers.
     pub seed: u64,
     /// Shadow rays and depth.
@@ -70,6 +74,8 @@ impl Plan {
             kernel,
             integrator,
             connection_bound: None,
+            split: 1,
+            layers: false,
             seed,
             settings: Settings { max_depth, shadow },
         }
@@ -77,7 +83,8 @@ impl Plan {
 
     /// Whether the kernels of core and packet do it all; otherwise the scalar integrators do.
     pub fn in_packets(&self, world: &World) -> bool {
-        world.is_plain() && matches!(self.integrator, Integrator::Path | Integrator::Single)
+        let plain = world.is_plain() && !self.layers && self.split == 1;
+        plain && matches!(self.integrator, Integrator::Path | Integrator::Single)
     }
 }
 

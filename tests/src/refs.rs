@@ -3,7 +3,7 @@
 //! Each file in `tests/refs/` states its definitions, how its numbers were made and cross-checked, and their
 //! uncertainty; read its `definitions` before using it. Conventions shared by all: lengths in any one unit,
 //! coefficients in 1/length; cos θ between the directions of travel before and after a scattering, +1 straight on;
-//! phase functions integrate to 1 over the sphere [1/sr]; media without a boundary of their own (index matched);
+//! phase functions integrate to 1 over the sphere [1/sr]; media without a boundary of their own (index matched) unless said;
 //! radiance relative to a source of radiance 1. Deterministic numbers are good to the digits given; Monte Carlo ones
 //! carry one standard error.
 //!
@@ -18,6 +18,7 @@ pub mod phase_functions;
 pub mod scenes3d;
 pub mod single_scatter;
 pub mod slab_matched;
+pub mod slab_mismatched;
 pub mod slab_radiance;
 pub mod surfaces;
 pub mod transmittance;

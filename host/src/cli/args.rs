@@ -112,6 +112,15 @@ pub struct RenderArgs {
     /// Most scatterings of a path; without it, no limit but the scene's
     #[arg(long, value_name = "N")]
     pub max_depth: Option<u32>,
+    /// Split camera rays in media into this many paths, at evenly spread distances (path and single)
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
+    pub split: Option<u32>,
+    /// Bound on 1/r² where paths from camera and lights are joined; nothing is lost (bdpt and mlt)
+    #[arg(long, value_name = "B", value_parser = values::positive)]
+    pub connection_bound: Option<f64>,
+    /// Further layers of the .exr image, separated by commas
+    #[arg(long, value_enum, value_name = "LAYER", value_delimiter = ',')]
+    pub aov: Vec<Aov>,
     /// Write statistics as JSON
     #[arg(long, value_name = "FILE.json")]
     pub stats: Option<PathBuf>,
@@ -193,6 +202,21 @@ pub struct InfoArgs {
     /// Most memory, with K, M, G or T
     #[arg(long, value_name = "BYTES", value_parser = values::bytes)]
     pub max_memory: Option<u64>,
+}
+
+/// Further layers of an image.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Aov {
+    /// Albedo.R/G/B of what is seen first
+    Albedo,
+    /// N.X/Y/Z: shading normal of what is seen first
+    Normal,
+    /// Z: distance of what is seen first
+    Depth,
+    /// Volume.* and Surface.*: light from media, and the rest
+    Matter,
+    /// Direct.* and Indirect.*: light scattered at most once, and the rest
+    Order,
 }
 
 /// Transmittance estimators for shadow rays.

@@ -6,13 +6,13 @@ use std::time::Instant;
 
 use woodcock_core::path::{Counts, ShadowEstimator};
 
-use super::args::{ExplainArgs, InfoArgs, RenderArgs, Transmittance};
+use super::args::{Aov, ExplainArgs, InfoArgs, RenderArgs, Transmittance};
 use super::failure::{self, Failure};
 use super::render::{Prepared, Rendered};
 use crate::builtin;
 use crate::drive::{Goal, Watch, drive};
 use crate::film::Film;
-use crate::image::RenderMetadata;
+use crate::image::{Layers, RenderMetadata};
 use crate::info::{InfoOptions, info_json, info_text};
 use crate::integrator::Integrator;
 use crate::render::{Kernel, Plan, kernel_name, render_pass, replay as replay_path};
@@ -107,7 +107,16 @@ fn plan(args: &RenderArgs, scene: &Scene, world: &World) -> Result<(Plan, String
     let integrator = args
         .integrator
         .unwrap_or_else(|| Integrator::named(&scene.integrator.name).unwrap_or_default());
-    let plan = Plan::new(world, args.kernel, integrator, seed, shadow, args.max_depth);
+    let mut plan = Plan::new(world, args.kernel, integrator, seed, shadow, args.max_depth);
+    fit(args, &mut plan)?;
+    if !plan.in_packets(world) && args.transmittance == Some(Transmittance::Delta) {
+        let message = "--transmittance delta: only scenes of plain media under suns and constant skies can do it";
+        return Err(Failure::Usage(message.into()));
+    }
+    if !world.surfaces.is_empty() {
+        // Walls bound what fills space, and absorb; where neither does, scalar paths play roulette in the end.
+        return Ok((plan, estimator.name().to_owned()));
+    }
     if plan.settings.max_depth == u32::MAX && world.is_endless() {
         let message = "a medium of albedo 1 fills all space: paths would never end";
         let error = SceneError::of_file("the scene", message);
@@ -126,6 +135,47 @@ fn plan(args: &RenderArgs, scene: &Scene, world: &World) -> Result<(Plan, String
             .into());
     }
     Ok((plan, estimator.name().to_owned()))
+}
+
+/// The further layers that arguments ask for.
+fn layers(args: &RenderArgs) -> Layers {
+    let asked = |aov: Aov| args.aov.contains(&aov);
+    Layers {
+        albedo: asked(Aov::Albedo),
+        normal: asked(Aov::Normal),
+        depth: asked(Aov::Depth),
+        matter: asked(Aov::Matter),
+        order: asked(Aov::Order),
+    }
+}
+
+/// Enters what only some integrators can do.
+fn fit(args: &RenderArgs, plan: &mut Plan) -> Result<(), Failure> {
+    let name = plan.integrator.name();
+    let bidirectional = matches!(plan.integrator, Integrator::Bdpt | Integrator::Mlt);
+    let refuse = |what: &str, can: &str| {
+        Err(Failure::Usage(format!(
+            "{what} does not work with --integrator {name}; {can} can do it"
+        )))
+    };
+    if args.connection_bound.is_some() && !bidirectional {
+        return refuse("--connection-bound", "bdpt and mlt");
+    }
+    let split = args.split.unwrap_or(1);
+    if split > 1 && !matches!(plan.integrator, Integrator::Path | Integrator::Single) {
+        return refuse("--split", "path and single");
+    }
+    let layers = layers(args);
+    if layers.any() && plan.integrator == Integrator::Mlt {
+        return refuse("--aov", "the other integrators");
+    }
+    if layers.parts() && bidirectional {
+        return refuse("--aov matter and order", "path, single and transmittance");
+    }
+    plan.connection_bound = args.connection_bound;
+    plan.split = split;
+    plan.layers = layers.any();
+    Ok(())
 }
 
 /// Prepares `woodcock render`.
@@ -150,6 +200,7 @@ pub fn prepare(args: &RenderArgs) -> Result<Prepared, Failure> {
         first_sample: 0,
     };
     let pool = pool(args.threads)?;
+    let layers = layers(args);
     let setup_seconds = setup.elapsed().as_secs_f64();
     Ok(Prepared {
         image_name,
@@ -160,7 +211,7 @@ pub fn prepare(args: &RenderArgs) -> Result<Prepared, Failure> {
                 threads: pool.current_num_threads() as u64,
                 ..Statistics::default()
             };
-            render(&loaded, &plan, &goal, &pool, watch, statistics)
+            render(&loaded, &plan, layers, &goal, &pool, watch, statistics)
         }),
     })
 }
@@ -176,6 +227,7 @@ fn pool(threads: Option<usize>) -> Result<rayon::ThreadPool, Failure> {
 fn render(
     loaded: &Loaded,
     plan: &Plan,
+    layers: Layers,
     goal: &Goal,
     pool: &rayon::ThreadPool,
     watch: Watch<'_>,
@@ -184,6 +236,9 @@ fn render(
     let Loaded { scene, world, name } = loaded;
     let cpu_before = cpu_time();
     let mut film = Film::new(world.resolution, world.window);
+    if layers.any() {
+        film.keep_layers();
+    }
     let counts = RefCell::new(Counts::default());
     let outcome = drive(&mut film, goal, watch, |film, samples| {
         let pass = pool.install(|| render_pass(world, plan, film, samples, watch.progress));
@@ -194,15 +249,22 @@ fn render(
     let cpu = cpu_before
         .zip(cpu_time())
         .map(|(a, b)| b.saturating_sub(a).as_secs_f64());
-    let kernel = plan.kernel.name();
-    let lanes = match plan.kernel {
-        Kernel::Packet => woodcock_packet::lanes::LANES as u64,
-        Kernel::Scalar => 1,
+    let used = if plan.in_packets(world) {
+        plan.kernel
+    } else {
+        Kernel::Scalar
     };
-    let utilisation = counts.busy_lanes as f64 / (counts.steps * lanes).max(1) as f64;
+    let kernel = used.name();
+    let utilisation = match used {
+        Kernel::Packet => {
+            let lanes = counts.steps * woodcock_packet::lanes::LANES as u64;
+            counts.busy_lanes as f64 / lanes.max(1) as f64
+        }
+        Kernel::Scalar => 1.0,
+    };
     Ok(Rendered {
+        channels: layers.channels(&film),
         film,
-        channels: Vec::new(),
         metadata: RenderMetadata {
             seed: plan.seed,
             scene_hash: scene.source_hash,

@@ -62,6 +62,15 @@ pub(super) fn seconds(text: &str) -> Result<Duration, String> {
         .ok_or_else(|| "expected a positive number of seconds".to_owned())
 }
 
+/// A positive number.
+pub(super) fn positive(text: &str) -> Result<f64, String> {
+    let number = text
+        .parse()
+        .ok()
+        .filter(|n: &f64| *n > 0.0 && n.is_finite());
+    number.ok_or_else(|| "expected a positive number".to_owned())
+}
+
 /// Bytes, with an optional suffix K, M, G or T for powers of 1024 (`512M`; `512MiB` and `512MB` mean the same).
 pub(super) fn bytes(text: &str) -> Result<u64, String> {
     let expected = || "expected a number of bytes, as in 800000000, 512M or 1.5G".to_owned();

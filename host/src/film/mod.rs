@@ -12,10 +12,14 @@
 //! Paths that are not finite are dropped and counted with the place that reproduces them ([`NonfinitePaths`]).
 
 mod estimate;
+mod layers;
 mod moments;
 pub mod sum;
 
+pub use layers::{LayerMeans, LayerSample};
 pub use moments::PixelMoments;
+
+use layers::PixelLayers;
 
 /// Side of a tile in pixels. Fixed, because the order of work may be recorded but never chosen by a machine's size.
 pub const TILE_SIDE: u32 = 16;
@@ -132,10 +136,25 @@ pub struct Tile {
     window: Window,
     /// Row-major.
     pixels: Vec<PixelMoments>,
+    /// Further layers of the pixels; empty unless asked for.
+    layers: Vec<PixelLayers>,
     nonfinite: NonfinitePaths,
 }
 
 impl Tile {
+    /// Whether further layers are kept.
+    pub fn keeps_layers(&self) -> bool {
+        !self.layers.is_empty()
+    }
+
+    /// Adds what a sample says besides its radiance, if layers are kept. The pixel must lie in the window.
+    pub fn add_layers(&mut self, x: u32, y: u32, sample: &LayerSample) {
+        let index = self.window.index(x, y);
+        if let Some(pixel) = self.layers.get_mut(index) {
+            pixel.add(sample);
+        }
+    }
+
     /// The pixels of this tile, in coordinates of the whole picture.
     pub fn window(&self) -> Window {
         self.window
@@ -199,6 +218,7 @@ impl Film {
                 tiles.push(Tile {
                     window,
                     pixels: vec![PixelMoments::default(); window.pixels() as usize],
+                    layers: Vec::new(),
                     nonfinite: NonfinitePaths::default(),
                 });
             }
@@ -208,6 +228,29 @@ impl Film {
             window,
             tiles,
         }
+    }
+
+    /// Keeps further layers from here on.
+    pub fn keep_layers(&mut self) {
+        for tile in &mut self.tiles {
+            tile.layers = vec![PixelLayers::default(); tile.pixels.len()];
+        }
+    }
+
+    /// The layers of all pixels of the window, row by row; empty unless they are kept.
+    pub fn layers(&self) -> Vec<LayerMeans> {
+        if !self.tiles.iter().any(Tile::keeps_layers) {
+            return Vec::new();
+        }
+        let mut all = vec![LayerMeans::default(); self.window.pixels() as usize];
+        for tile in &self.tiles {
+            let width = tile.window.size()[0];
+            for (pixel, i) in tile.layers.iter().zip(0_u32..) {
+                let (x, y) = (tile.window.x0 + i % width, tile.window.y0 + i / width);
+                all[self.window.index(x, y)] = pixel.means();
+            }
+        }
+        all
     }
 
     /// Width and height of the whole picture.
@@ -261,6 +304,9 @@ impl Film {
             for (pixel, part) in tile.pixels.iter_mut().zip(&part.pixels) {
                 let fits = pixel.merge(part);
                 debug_assert!(fits, "checked above");
+            }
+            for (pixel, part) in tile.layers.iter_mut().zip(&part.layers) {
+                pixel.merge(part);
             }
         }
         Ok(())

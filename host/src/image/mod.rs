@@ -3,6 +3,7 @@
 //! Radiance is linear, Rec. 709 primaries, never tone-mapped; [`png`] alone shapes tones. [`exr`] holds the names.
 
 pub mod exr;
+pub mod layers;
 pub mod metadata;
 mod part;
 pub mod png;
@@ -13,6 +14,7 @@ mod read_tests;
 use crate::film::{Film, Window};
 use std::collections::BTreeMap;
 
+pub use layers::Layers;
 pub use metadata::RenderMetadata;
 pub use read::{Picture, read_picture};
 

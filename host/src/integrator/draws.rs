@@ -1,5 +1,6 @@
 //! Random numbers as integrators draw them.
 
+use woodcock_core::real::{Real, Word32};
 use woodcock_core::stream::{PathStream, Stream};
 
 /// A stream of one path, with marks at which a Markov chain treats numbers differently.
@@ -42,3 +43,44 @@ pub(crate) enum Subpath {
 }
 
 impl Draws for PathStream {}
+
+/// A stream whose first number is given.
+#[derive(Debug)]
+pub(super) struct Given<'a, D> {
+    first: Option<u32>,
+    rest: &'a mut D,
+}
+
+impl<'a, D> Given<'a, D> {
+    pub(super) fn new(first: u32, rest: &'a mut D) -> Self {
+        Self {
+            first: Some(first),
+            rest,
+        }
+    }
+}
+
+impl<R, D> Stream<R> for Given<'_, D>
+where
+    R: Real<Mask = bool, Word = Word32>,
+    D: Stream<R>,
+{
+    fn next_word(&mut self, active: bool) -> Word32 {
+        if active && let Some(word) = self.first.take() {
+            return Word32(word);
+        }
+        self.rest.next_word(active)
+    }
+}
+
+impl<D: Draws> Draws for Given<'_, D> {
+    fn vertex(&mut self, subpath: Subpath, number: u32) {
+        self.rest.vertex(subpath, number);
+    }
+    fn begin_nulls(&mut self) {
+        self.rest.begin_nulls();
+    }
+    fn end_nulls(&mut self) {
+        self.rest.end_nulls();
+    }
+}

@@ -8,13 +8,11 @@
 //! Memory: four bytes for each sample of a grid that shines, sixteen for each voxel that does.
 
 use glam::DVec3;
-use woodcock_core::majorant::GridWalk;
 use woodcock_core::medium::Medium as _;
-use woodcock_core::path::{OneGrid, RecordKind};
-use woodcock_core::ray::Ray;
-use woodcock_core::vec3::Vec3;
+use woodcock_core::path::RecordKind;
 
 use super::Draws;
+use super::walk::stand;
 use crate::light::discrete::Discrete;
 use crate::world::{Local, Medium, Tables, World};
 
@@ -132,12 +130,13 @@ impl Glow {
         let to_world = description.grid_to_world()?;
         let place = to_world.transform_point3(DVec3::from_array(at) + offset);
         let tap = Some(samples + index);
+        let (grid, walk) = stand(description, &world.tables, place)?;
         Some(Spot {
             medium,
             place,
             local: description.local(&world.tables, tap, place),
             pdf: self.pdf(medium, tap),
-            majorant: majorant(description, &world.tables, place),
+            majorant: f64::from(grid.segment(&walk).majorant),
         })
     }
 }
@@ -149,16 +148,4 @@ fn tent(u: f64) -> f64 {
     } else {
         1.0 - (2.0 - 2.0 * u).sqrt()
     }
-}
-
-/// The bound of a grid at a place [1/length].
-fn majorant(medium: &Medium, tables: &Tables, place: DVec3) -> f64 {
-    let grid = OneGrid::new(&medium.record, &tables.samples, &tables.majorants);
-    let mut walk: GridWalk<f32> = grid.idle();
-    let ray = Ray {
-        origin: Vec3::splat(place.as_vec3().to_array()),
-        direction: Vec3::splat([1.0, 0.0, 0.0]),
-    };
-    grid.begin(&mut walk, &ray, true);
-    f64::from(grid.segment(&walk).majorant)
 }

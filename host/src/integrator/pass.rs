@@ -11,7 +11,7 @@ use super::mlt;
 use super::tracer::Tracer;
 use super::{Draws, Sample, Settings, path, transmittance};
 use crate::drive::Progress;
-use crate::film::{Film, Tile};
+use crate::film::{Film, LayerSample, Tile};
 use crate::render::Plan;
 use crate::world::World;
 
@@ -64,6 +64,7 @@ pub(super) fn settings(plan: &Plan) -> Settings {
     Settings {
         max_depth: plan.settings.max_depth,
         connection_bound: plan.connection_bound,
+        split: plan.split,
     }
 }
 
@@ -116,7 +117,7 @@ pub fn render_pass(
 
 /// What the paths of a tile bring.
 struct Harvest {
-    pixels: Vec<([u32; 2], PathSample)>,
+    pixels: Vec<([u32; 2], Sample)>,
     splats: Vec<Splat>,
     spoilt: Vec<[u32; 2]>,
     counts: Counts,
@@ -132,20 +133,29 @@ fn bidirectional(world: &World, plan: &Plan, film: &mut Film, index: u32) -> Cou
     let harvests = crate::render::map_tiles(film, |tile| harvest(world, plan, tile, index));
     let mut canvas = Canvas::new(window);
     let mut counts = Counts::default();
-    for harvest in harvests {
+    for harvest in &harvests {
         counts.add(&harvest.counts);
-        for (pixel, sample) in harvest.pixels {
-            canvas.add(pixel, sample.radiance);
-            canvas.cover(pixel, sample.alpha);
+        for (pixel, sample) in &harvest.pixels {
+            let PathSample { radiance, alpha } = (*sample).into();
+            canvas.add(*pixel, radiance);
+            canvas.cover(*pixel, alpha);
         }
         for splat in &harvest.splats {
             canvas.splat(splat, factor);
         }
-        for pixel in harvest.spoilt {
-            canvas.spoil(pixel);
+        for pixel in &harvest.spoilt {
+            canvas.spoil(*pixel);
         }
     }
     canvas.hand_over(film, index);
+    for (tile, harvest) in film.tiles_mut().iter_mut().zip(&harvests) {
+        if !tile.keeps_layers() {
+            continue;
+        }
+        for ([x, y], sample) in &harvest.pixels {
+            tile.add_layers(*x, *y, &LayerSample::from(sample));
+        }
+    }
     counts
 }
 
@@ -178,7 +188,7 @@ fn harvest(world: &World, plan: &Plan, tile: &Tile, index: u32) -> Harvest {
                 splats.truncate(before);
                 spoilt.push([x, y]);
             }
-            pixels.push(([x, y], sample.into()));
+            pixels.push(([x, y], sample));
         }
     }
     Harvest {
@@ -207,6 +217,9 @@ fn render_tile(world: &World, plan: &Plan, tile: &mut Tile, samples: Range<u32>)
                 let mut draws = stream(world, plan, [x, y], index);
                 let sample = sample(&mut tracer, plan, [x, y], &mut draws);
                 tracer.counts.paths += 1;
+                if tile.keeps_layers() {
+                    tile.add_layers(x, y, &LayerSample::from(&sample));
+                }
                 let PathSample { radiance, alpha } = sample.into();
                 tile.add(x, y, index, radiance, alpha);
             }

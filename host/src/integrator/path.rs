@@ -6,11 +6,16 @@
 
 use glam::DVec3;
 use woodcock_core::collision;
+use woodcock_core::stream::Stream;
 
+use super::draws::Given;
+use super::equi_angular::{self, Segment};
+use super::next_event::{self, Source};
 use super::scatter::Site;
 use super::tracer::{End, Tracer, Witness};
+use super::transmit::mean;
 use super::walk::Tentative;
-use super::{Draws, Matter, Sample, Score, Settings, Subpath, next_event};
+use super::{Draws, Matter, Sample, Score, Settings, Subpath};
 use crate::bsdf::Transport;
 use crate::ray::Ray;
 use crate::surface::Hit;
@@ -18,6 +23,10 @@ use crate::world::World;
 
 /// Below this throughput a path plays roulette, and survives with it.
 const ROULETTE: f64 = 0.25;
+/// From this many scatterings on every path plays another roulette, whatever it carries: between white walls it would never
+/// end. It survives each with this chance.
+const LONG: u32 = 1 << 16;
+const SURVIVAL: f64 = 1.0 - 1.0 / 4096.0;
 
 /// Where the present ray began, as light sampling there would compete with it.
 #[derive(Clone, Copy, Debug)]
@@ -26,6 +35,8 @@ pub(super) struct Last {
     normal: DVec3,
     /// Density of the ray's direction [1/sr]; infinite where nothing competes.
     pdf: f64,
+    /// How the place itself was found, if by a flight that competes with sampling by nearness.
+    found: Option<equi_angular::Found>,
 }
 
 impl Last {
@@ -35,6 +46,7 @@ impl Last {
             point,
             normal: DVec3::ZERO,
             pdf: f64::INFINITY,
+            found: None,
         }
     }
 
@@ -94,8 +106,14 @@ pub(super) fn found(world: &World, last: &Last, ray: &Ray, hit: &Hit) -> DVec3 {
     if radiance == DVec3::ZERO || last.pdf == f64::INFINITY {
         return radiance;
     }
-    let competing = lighting.hit_pdf(&world.surfaces, last.point, last.normal, hit);
-    radiance * last.share(competing * (1.0 - world.glow_choice()))
+    let surfaces = &world.surfaces;
+    let mut competing = lighting.hit_pdf(surfaces, last.point, last.normal, hit);
+    competing *= 1.0 - world.glow_choice();
+    if let (Some(found), Some(emitter)) = (&last.found, hit.emitter) {
+        let pdf = surfaces.emitter_pdf(emitter, last.point, &hit.anchor);
+        competing += found.ratio(world, lighting.first_emitter() + emitter) * pdf;
+    }
+    radiance * last.share(competing)
 }
 
 /// Radiance that arrives from far away along a ray, times its share.
@@ -110,16 +128,41 @@ pub(super) fn escaped(world: &World, last: &Last, ray: &Ray) -> DVec3 {
         .sum()
 }
 
-/// One path through a point of the film.
+/// The mean of paths through a point of the film, which share their camera ray.
+///
+/// The first free flights of `settings.split` paths begin with an even comb of numbers with one random offset: Algorithm 2 of
+/// [Raab, Seibert, Keller 2006], with whole paths for its scores.
 pub(crate) fn trace<D: Draws>(
     tracer: &mut Tracer<'_>,
     settings: &Settings,
     film: [f64; 2],
     draws: &mut D,
 ) -> Sample {
-    let world = tracer.world;
     draws.vertex(Subpath::Camera, 0);
-    let mut ray = super::camera::ray(world, film, draws);
+    let ray = super::camera::ray(tracer.world, film, draws);
+    let teeth = settings.split;
+    if teeth <= 1 {
+        return follow(tracer, settings, ray, None, draws);
+    }
+    let offset = u64::from(Stream::<f64>::next_word(draws, true).0);
+    let mut sum = Sample::default();
+    for tooth in 0..u64::from(teeth) {
+        let word = ((tooth << 32) + offset) / u64::from(teeth);
+        let sample = follow(tracer, settings, ray, Some(word as u32), draws);
+        sum.add(&sample, 1.0 / f64::from(teeth));
+    }
+    sum
+}
+
+/// One path along a camera ray, its first flight beginning with a given number, if any.
+fn follow<D: Draws>(
+    tracer: &mut Tracer<'_>,
+    settings: &Settings,
+    mut ray: Ray,
+    first: Option<u32>,
+    draws: &mut D,
+) -> Sample {
+    let world = tracer.world;
     let mut score = Score::default();
     let mut throughput = DVec3::ONE;
     let mut last = Last::certain(ray.origin);
@@ -130,7 +173,20 @@ pub(crate) fn trace<D: Draws>(
             ray: &ray,
         };
         draws.vertex(Subpath::Camera, depth + 1);
-        let flight = tracer.fly(&ray, &mut throughput, draws, &mut scoring);
+        let before = throughput;
+        let flight = match first {
+            Some(word) if depth == 0 => {
+                let mut given = Given::new(word, draws);
+                tracer.fly(&ray, &mut throughput, &mut given, &mut scoring)
+            }
+            _ => tracer.fly(&ray, &mut throughput, draws, &mut scoring),
+        };
+        let segment = if depth < settings.max_depth {
+            near_lamps(tracer, &ray, before, draws, &mut score)
+        } else {
+            None
+        };
+        let mut found_by_flight = None;
         let (site, albedo) = match flight.end {
             End::Escape => {
                 score.add(throughput * escaped(world, &last, &ray), Matter::Nothing);
@@ -149,6 +205,11 @@ pub(crate) fn trace<D: Draws>(
                 let site = Site::in_medium(ray.at(t), medium);
                 let albedo = DVec3::from(local.albedo);
                 score.meet(Matter::Medium, &site, t, albedo);
+                found_by_flight = segment.map(|segment| equi_angular::Found {
+                    segment,
+                    t,
+                    density: mean(local.sigma_t) * flight.passage,
+                });
                 (site, Some(albedo))
             }
         };
@@ -158,7 +219,7 @@ pub(crate) fn trace<D: Draws>(
         if let Some(albedo) = albedo {
             throughput *= albedo;
         }
-        if !survives(&mut throughput, draws) {
+        if !survives(&mut throughput, depth, draws) {
             break;
         }
         score.scatter();
@@ -166,7 +227,11 @@ pub(crate) fn trace<D: Draws>(
         if !site.is_specular() {
             if let Some(lit) = next_event::sample(tracer, &site, from, draws) {
                 let found = site.pdf(world, from, lit.direction, Transport::Radiance) * lit.flown;
-                let share = lit.pdf / (lit.pdf + found);
+                let near = match (&found_by_flight, &lit.source) {
+                    (Some(found), Source::Lamp(lamp)) => found.ratio(world, lamp.light) * lamp.pdf,
+                    _ => 0.0,
+                };
+                let share = lit.pdf / (lit.pdf + found + near);
                 let first = score.first();
                 score.add(throughput * lit.radiance * share, first);
             }
@@ -187,13 +252,42 @@ pub(crate) fn trace<D: Draws>(
             } else {
                 onward.pdf
             },
+            found: found_by_flight,
         };
     }
     score.sample()
 }
 
+/// Scores light of lamps that is scattered once on the stretch of a ray that was flown last, where nearness is worth
+/// sampling; then others need to know.
+fn near_lamps<D: Draws>(
+    tracer: &mut Tracer<'_>,
+    ray: &Ray,
+    throughput: DVec3,
+    draws: &mut D,
+    score: &mut Score,
+) -> Option<Segment> {
+    let stretches = std::mem::take(&mut tracer.stretches);
+    let segment = Segment::new(tracer.world, ray, &stretches);
+    if let Some(radiance) = segment.and_then(|s| s.sample(tracer, &stretches, draws)) {
+        score.add_scattered(
+            throughput * radiance,
+            Matter::Medium,
+            score.scatterings() + 1,
+        );
+    }
+    tracer.stretches = stretches;
+    segment
+}
+
 /// Roulette on throughput times albedo.
-fn survives(throughput: &mut DVec3, draws: &mut impl Draws) -> bool {
+fn survives(throughput: &mut DVec3, depth: u32, draws: &mut impl Draws) -> bool {
+    if depth >= LONG {
+        if draws.one() >= SURVIVAL {
+            return false;
+        }
+        *throughput /= SURVIVAL;
+    }
     let largest = throughput.max_element();
     if largest <= 0.0 {
         return false;

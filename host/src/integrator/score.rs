@@ -4,6 +4,7 @@ use glam::DVec3;
 use woodcock_core::path::PathSample;
 
 use super::scatter::Site;
+use crate::film::LayerSample;
 
 /// What light meets.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -43,11 +44,39 @@ pub(crate) struct Sample {
     pub(crate) seen: Seen,
 }
 
+impl Sample {
+    /// Adds another, times a factor; of what is seen, the nearest counts.
+    pub(crate) fn add(&mut self, other: &Self, factor: f64) {
+        self.radiance += other.radiance * factor;
+        self.volume += other.volume * factor;
+        self.direct += other.direct * factor;
+        self.alpha += other.alpha * factor;
+        let nearer = other.seen.distance > 0.0
+            && (self.seen.distance == 0.0 || other.seen.distance < self.seen.distance);
+        if nearer {
+            self.seen = other.seen;
+        }
+    }
+}
+
 impl From<Sample> for PathSample {
     fn from(sample: Sample) -> Self {
         Self {
             radiance: sample.radiance.as_vec3().to_array(),
             alpha: sample.alpha as f32,
+        }
+    }
+}
+
+impl From<&Sample> for LayerSample {
+    fn from(sample: &Sample) -> Self {
+        let seen = &sample.seen;
+        Self {
+            albedo: seen.albedo.as_vec3().to_array(),
+            normal: seen.normal.as_vec3().to_array(),
+            depth: (seen.distance > 0.0).then_some(seen.distance as f32),
+            volume: sample.volume.as_vec3().to_array(),
+            direct: sample.direct.as_vec3().to_array(),
         }
     }
 }
@@ -93,6 +122,11 @@ impl Score {
     /// What the path met first.
     pub(crate) fn first(&self) -> Matter {
         self.first.unwrap_or_default()
+    }
+
+    /// How often the path has been scattered.
+    pub(crate) fn scatterings(&self) -> u32 {
+        self.scatterings
     }
 
     /// The path scatters.

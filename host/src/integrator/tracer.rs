@@ -17,7 +17,7 @@ pub(crate) struct Tracer<'a> {
     pub(crate) world: &'a World,
     pub(crate) counts: Counts,
     /// Stretches of the present flight.
-    stretches: Vec<Stretch>,
+    pub(super) stretches: Vec<Stretch>,
     /// Stretches of shadow rays.
     shadow: Vec<Stretch>,
     /// Where the last of them ended.

@@ -12,13 +12,14 @@
 
 use glam::DVec3;
 use woodcock_core::majorant::{GridWalk, Tracker};
+use woodcock_core::medium::Medium as _;
 use woodcock_core::path::{Counts, OneGrid, OneHomogeneous, RecordKind};
 use woodcock_core::ray::Ray as CoreRay;
 use woodcock_core::vec3::Vec3;
 
 use super::Draws;
 use crate::ray::Ray;
-use crate::world::{CloudField, Local, World};
+use crate::world::{CloudField, Local, Medium, Tables, World};
 
 /// A part of a ray within one medium: from, to \[length\], which.
 pub(crate) type Stretch = (f64, f64, usize);
@@ -189,6 +190,36 @@ impl<'a> Running<'a> {
             Runner::Cloud(_, tracker) => tracker.redraw(draws, true),
         }
     }
+}
+
+/// The walk of a grid that stands at a place; `None` for media without samples.
+pub(crate) fn stand<'a>(
+    medium: &Medium,
+    tables: &'a Tables,
+    place: DVec3,
+) -> Option<(OneGrid<'a>, GridWalk<f32>)> {
+    if !medium.has_samples() {
+        return None;
+    }
+    let grid = OneGrid::new(&medium.record, &tables.samples, &tables.majorants);
+    let mut walk: GridWalk<f32> = grid.idle();
+    let ray = CoreRay {
+        origin: Vec3::splat(place.as_vec3().to_array()),
+        direction: Vec3::splat([1.0, 0.0, 0.0]),
+    };
+    grid.begin(&mut walk, &ray, true);
+    Some((grid, walk))
+}
+
+/// The sample that a look-up by one tap picks at a place; `None` for media without samples.
+pub(crate) fn tap_at(
+    world: &World,
+    medium: usize,
+    place: DVec3,
+    draws: &mut impl Draws,
+) -> Option<u32> {
+    let (_, walk) = stand(world.media.get(medium)?, &world.tables, place)?;
+    Some(walk.tap(0.0, draws, true).0)
 }
 
 /// Visits the tentative collisions of a ray in order of distance, until `visit` stops. Returns whether all were

@@ -164,6 +164,10 @@ impl Assembly<'_> {
             radiance: scaled(radiance, self.factor),
             two_sided,
             area: surfaces.area(index),
+            centre: {
+                let ([low, high], ..) = surfaces.emitter_bounds(index);
+                (low + high) * 0.5
+            },
         }
     }
 }

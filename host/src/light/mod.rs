@@ -94,6 +94,9 @@ pub struct Lights {
     skies: Vec<u32>,
     chooser: Chooser,
     powers: Discrete,
+    /// Those at places, and their powers.
+    near: Vec<u32>,
+    near_powers: Discrete,
     bounds: Bounds,
 }
 
@@ -106,6 +109,8 @@ impl Default for Lights {
             skies: Vec::new(),
             chooser: Chooser::default(),
             powers: Discrete::default(),
+            near: Vec::new(),
+            near_powers: Discrete::default(),
             bounds: Bounds {
                 centre: DVec3::ZERO,
                 radius: 1.0,
@@ -170,6 +175,15 @@ impl Lights {
             extent: source.extent(surfaces),
         });
         let chooser = Chooser::new(candidates, bounds.radius);
+        let at_places = (0_u32..).zip(&sources);
+        let at_places = at_places.filter(|(_, source)| source.extent(surfaces).is_some());
+        let near: Vec<u32> = at_places.map(|(light, _)| light).collect();
+        let power = |light: &u32| {
+            sources
+                .get(*light as usize)
+                .map_or(0.0, |s| s.power(&bounds))
+        };
+        let near_powers = Discrete::new(near.iter().map(power));
         let fills = |source: &Source| matches!(source, Source::Constant { .. } | Source::Image(_));
         let skies = (0_u32..).zip(&sources);
         let skies = skies.filter(|(_, source)| fills(source) && source.power(&bounds) > 0.0);
@@ -178,6 +192,8 @@ impl Lights {
             skies: skies.map(|(light, _)| light).collect(),
             chooser,
             powers,
+            near,
+            near_powers,
             bounds,
             sources,
         })
@@ -280,6 +296,39 @@ impl Lights {
             };
             Some((light, radiance, pdf))
         })
+    }
+
+    /// Chooses a light that is at a place by its power, whatever asks.
+    pub fn choose_near(&self, u: f64) -> Option<u32> {
+        let (index, _) = self.near_powers.choose(u)?;
+        self.near.get(index).copied()
+    }
+
+    /// Probability with which [`choose_near`](Self::choose_near) chooses a light.
+    pub fn near_choice(&self, light: u32) -> f64 {
+        // They are in order.
+        let index = self.near.binary_search(&light);
+        index.map_or(0.0, |index| self.near_powers.probability(index))
+    }
+
+    /// The middle of a light that is at a place.
+    pub fn centre(&self, light: u32) -> Option<DVec3> {
+        self.sources.get(light as usize)?.centre()
+    }
+
+    /// Samples a given light as [`sample`](Self::sample) does; its `choice` is one.
+    pub fn sample_lamp(
+        &self,
+        light: u32,
+        surfaces: &Surfaces,
+        from: DVec3,
+        u: [f64; 2],
+    ) -> Option<LightSample> {
+        let arrival = self
+            .sources
+            .get(light as usize)?
+            .arrive(surfaces, from, u)?;
+        Some(LightSample { light, ..arrival })
     }
 
     /// Whether a light is a point or lies in one direction: nothing but sampling finds it.

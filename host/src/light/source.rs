@@ -47,6 +47,7 @@ pub(super) enum Source {
         radiance: [f64; 3],
         two_sided: bool,
         area: f64,
+        centre: DVec3,
     },
 }
 
@@ -91,6 +92,17 @@ pub(super) fn shines(normal: DVec3, direction: DVec3, two_sided: bool) -> bool {
 }
 
 impl Source {
+    /// The middle of a light at a place; `None` is far away.
+    pub(super) fn centre(&self) -> Option<DVec3> {
+        match self {
+            Self::Distant { .. } | Self::Constant { .. } | Self::Image(_) => None,
+            Self::Point { position, .. }
+            | Self::Spot { position, .. }
+            | Self::Goniometric { position, .. } => Some(*position),
+            Self::Emitter { centre, .. } => Some(*centre),
+        }
+    }
+
     /// Power into the scene \[W\], colours averaged: for lights far away, what falls through the disk of `bounds`.
     pub(super) fn power(&self, bounds: &Bounds) -> f64 {
         let disk = PI * bounds.radius * bounds.radius;
@@ -160,6 +172,7 @@ impl Source {
                 radiance,
                 two_sided,
                 area,
+                ..
             } => {
                 let ([low, high], axis, cos) = surfaces.emitter_bounds(*index);
                 let spread = libm::acos(cos.clamp(-1.0, 1.0));

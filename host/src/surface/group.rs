@@ -19,13 +19,44 @@ pub(super) struct Instance {
 /// What a leaf of the tree is. 8 bytes, beside the node's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Leaf {
-    /// Which part; [`INSTANCE`] for an instance.
+    /// Which part; [`INSTANCE`] for an instance, [`CLUSTER`] for a cluster.
     part: u32,
-    /// Which piece of the part, or which instance.
+    /// Which piece of the part, which instance, or which cluster.
     piece: u32,
 }
 
 const INSTANCE: u32 = u32::MAX;
+const CLUSTER: u32 = u32::MAX - 1;
+
+/// Parts of more pieces have a tree of their own.
+const FEW: usize = 16;
+
+/// Leaves with their tree.
+#[derive(Debug, Default)]
+struct Cluster {
+    leaves: Vec<Leaf>,
+    tree: Tree,
+}
+
+impl Cluster {
+    fn new(leaves: &[Leaf], boxes: &[[DVec3; 2]]) -> Self {
+        let (tree, order) = Tree::new(boxes);
+        let leaves = order
+            .iter()
+            .filter_map(|&i| leaves.get(i as usize).copied())
+            .collect();
+        Self { leaves, tree }
+    }
+}
+
+/// A line that is searched for what it meets.
+#[derive(Clone, Copy)]
+struct Line<'a> {
+    objects: &'a [Group],
+    origin: DVec3,
+    direction: DVec3,
+    shear: Shear,
+}
 
 /// What a ray met first.
 #[derive(Clone, Copy, Debug)]
@@ -45,13 +76,16 @@ impl Met {
     }
 }
 
-/// Parts, perhaps instances, and a tree over all their pieces.
+/// Parts, perhaps instances, and a tree over them.
+///
+/// The order in which obvhs sorts pieces is relative to the box around all: on a ground that is far wider than a mesh
+/// it would see no difference between the mesh's triangles. So large parts are sorted on their own.
 #[derive(Debug, Default)]
 pub(super) struct Group {
     pub(super) parts: Vec<Part>,
     pub(super) instances: Vec<Instance>,
-    leaves: Vec<Leaf>,
-    tree: Tree,
+    clusters: Vec<Cluster>,
+    top: Cluster,
     pub(super) bounds: Option<[DVec3; 2]>,
 }
 
@@ -73,14 +107,29 @@ impl Group {
                 None => SceneError::of_file("scene", message),
             });
         }
-        let mut leaves = Vec::with_capacity(count);
-        let mut boxes = Vec::with_capacity(count);
+        let (mut leaves, mut boxes) = (Vec::new(), Vec::new());
+        let mut clusters = Vec::new();
         for (part, found) in (0..).zip(&parts) {
+            let first = leaves.len();
             for piece in 0..found.pieces() as u32 {
                 if let Some(bounds) = found.bounds(piece) {
                     leaves.push(Leaf { part, piece });
                     boxes.push(bounds);
                 }
+            }
+            if leaves.len() - first > FEW
+                && let Some(around) = union(boxes.iter().skip(first).copied())
+            {
+                let cluster = Leaf {
+                    part: CLUSTER,
+                    piece: clusters.len() as u32,
+                };
+                clusters.push(Cluster::new(
+                    &leaves.split_off(first),
+                    &boxes.split_off(first),
+                ));
+                leaves.push(cluster);
+                boxes.push(around);
             }
         }
         for (piece, instance) in (0..).zip(&instances) {
@@ -94,16 +143,11 @@ impl Group {
             }
         }
         let bounds = union(boxes.iter().copied());
-        let (tree, order) = Tree::new(&boxes);
-        let leaves = order
-            .iter()
-            .filter_map(|&i| leaves.get(i as usize).copied())
-            .collect();
         Ok(Self {
             parts,
             instances,
-            leaves,
-            tree,
+            clusters,
+            top: Cluster::new(&leaves, &boxes),
             bounds,
         })
     }
@@ -116,49 +160,65 @@ impl Group {
         direction: DVec3,
         t_max: f64,
     ) -> Option<Met> {
-        let shear = Shear::new(direction);
-        let mut nearest: Option<Met> = None;
-        self.tree
-            .walk(origin, direction, t_max, |range, mut t_max| {
-                for leaf in self.leaves.get(range).unwrap_or_default() {
-                    let found = if leaf.part == INSTANCE {
-                        self.through_instance(objects, leaf.piece, origin, direction, t_max)
-                    } else {
-                        self.parts.get(leaf.part as usize).and_then(|part| {
-                            let (t, at) =
-                                part.meet(leaf.piece, origin, direction, &shear, t_max)?;
-                            Some(Met {
-                                t,
-                                instance: None,
-                                part: leaf.part,
-                                piece: leaf.piece,
-                                at,
-                            })
-                        })
-                    };
-                    if let Some(found) = found
-                        && nearest.is_none_or(|n| found.t < n.t || found.rank() < n.rank())
-                    {
-                        t_max = found.t;
-                        nearest = Some(found);
-                    }
-                }
-                t_max
-            });
+        let line = Line {
+            objects,
+            origin,
+            direction,
+            shear: Shear::new(direction),
+        };
+        let mut nearest = None;
+        self.search(&self.top, &line, t_max, &mut nearest);
         nearest
     }
 
-    fn through_instance(
+    /// Looks for what is nearer than `nearest`; returns the new bound.
+    fn search(
         &self,
-        objects: &[Self],
-        index: u32,
-        origin: DVec3,
-        direction: DVec3,
+        cluster: &Cluster,
+        line: &Line<'_>,
         t_max: f64,
-    ) -> Option<Met> {
+        nearest: &mut Option<Met>,
+    ) -> f64 {
+        let mut bound = t_max;
+        let (origin, direction) = (line.origin, line.direction);
+        cluster.tree.walk(origin, direction, t_max, |range, _| {
+            for leaf in cluster.leaves.get(range).unwrap_or_default() {
+                let found = match leaf.part {
+                    CLUSTER => {
+                        if let Some(inner) = self.clusters.get(leaf.piece as usize) {
+                            bound = self.search(inner, line, bound, nearest);
+                        }
+                        None
+                    }
+                    INSTANCE => self.through_instance(leaf.piece, line, bound),
+                    part => self.parts.get(part as usize).and_then(|found| {
+                        let (t, at) =
+                            found.meet(leaf.piece, origin, direction, &line.shear, bound)?;
+                        Some(Met {
+                            t,
+                            instance: None,
+                            part,
+                            piece: leaf.piece,
+                            at,
+                        })
+                    }),
+                };
+                if let Some(found) = found
+                    && nearest.is_none_or(|n| found.t < n.t || found.rank() < n.rank())
+                {
+                    bound = found.t;
+                    *nearest = Some(found);
+                }
+            }
+            bound
+        });
+        bound
+    }
+
+    fn through_instance(&self, index: u32, line: &Line<'_>, t_max: f64) -> Option<Met> {
         let instance = self.instances.get(index as usize)?;
-        let object = objects.get(instance.object)?;
-        let (origin, direction) = instance.placement.line(origin, direction);
+        let object = line.objects.get(instance.object)?;
+        let (origin, direction) = instance.placement.line(line.origin, line.direction);
         let found = object.nearest(&[], origin, direction, t_max)?;
         Some(Met {
             instance: Some(index),
@@ -174,30 +234,42 @@ impl Group {
         direction: DVec3,
         t_max: f64,
     ) -> bool {
-        let shear = Shear::new(direction);
-        let mut found = false;
-        self.tree.walk(origin, direction, t_max, |range, t_max| {
-            for leaf in self.leaves.get(range).unwrap_or_default() {
-                found = if leaf.part == INSTANCE {
-                    self.instances
-                        .get(leaf.piece as usize)
-                        .and_then(|i| Some((i, objects.get(i.object)?)))
-                        .is_some_and(|(instance, object)| {
-                            let (origin, direction) = instance.placement.line(origin, direction);
-                            object.occluded(&[], origin, direction, t_max)
-                        })
-                } else {
-                    self.parts
-                        .get(leaf.part as usize)
-                        .filter(|part| part.material.is_some())
-                        .and_then(|part| part.meet(leaf.piece, origin, direction, &shear, t_max))
-                        .is_some_and(|(t, _)| t < t_max)
-                };
-                if found {
-                    return -1.0;
-                }
+        let line = Line {
+            objects,
+            origin,
+            direction,
+            shear: Shear::new(direction),
+        };
+        self.blocks(&self.top, &line, t_max)
+    }
+
+    fn blocks(&self, cluster: &Cluster, line: &Line<'_>, t_max: f64) -> bool {
+        let (origin, direction) = (line.origin, line.direction);
+        let block = |leaf: &Leaf| match leaf.part {
+            CLUSTER => {
+                let inner = self.clusters.get(leaf.piece as usize);
+                inner.is_some_and(|inner| self.blocks(inner, line, t_max))
             }
-            t_max
+            INSTANCE => self
+                .instances
+                .get(leaf.piece as usize)
+                .and_then(|i| Some((i, line.objects.get(i.object)?)))
+                .is_some_and(|(instance, object)| {
+                    let (origin, direction) = instance.placement.line(origin, direction);
+                    object.occluded(&[], origin, direction, t_max)
+                }),
+            part => self
+                .parts
+                .get(part as usize)
+                .filter(|part| part.material.is_some())
+                .and_then(|part| part.meet(leaf.piece, origin, direction, &line.shear, t_max))
+                .is_some_and(|(t, _)| t < t_max),
+        };
+        let mut found = false;
+        cluster.tree.walk(origin, direction, t_max, |range, t_max| {
+            let leaves = cluster.leaves.get(range).unwrap_or_default();
+            found = leaves.iter().any(block);
+            if found { -1.0 } else { t_max }
         });
         found
     }

@@ -7,13 +7,24 @@ use glam::{DAffine3, DVec2, DVec3};
 use super::spot::{Placement, Spot};
 use super::{disk, exact, patch, sphere, triangle};
 use crate::line::Shear;
-use crate::scene::{self, AreaEmission, BilinearMesh, MaterialId, SceneError, Shape, TriangleMesh};
+use crate::scene::{
+    self, AreaEmission, BilinearMesh, MaterialId, Place, SceneError, Shape, TriangleMesh,
+};
 
 /// How far from the origin a surface may reach: products of many coordinates must stay finite \[length\].
 const FAR: f64 = 1e30;
 
 /// Most pieces of all surfaces together: what a tree of them counts in 32 bits, and builds in some 60 GB.
 pub(super) const MOST_PIECES: usize = 1 << 28;
+
+/// Refuses what reaches too far, or is not a number.
+pub(super) fn check_reach([low, high]: [DVec3; 2], place: &Place) -> Result<(), SceneError> {
+    if low.abs().max(high.abs()).cmplt(DVec3::splat(FAR)).all() {
+        return Ok(());
+    }
+    let message = format!("the surface reaches farther than {FAR:e} from the origin");
+    Err(SceneError::at(place, message).help("change the unit of length"))
+}
 
 /// A shape; meshes stay where the scene has them.
 #[derive(Clone, Debug)]
@@ -79,10 +90,8 @@ impl Part {
             emission,
             first_emitter: 0,
         };
-        let near = |p: DVec3| p.abs().max_element() < FAR;
-        if !part.corners().all(near) {
-            let message = format!("the surface reaches farther than {FAR:e} from the origin");
-            return Err(SceneError::at(&surface.place, message).help("change the unit of length"));
+        for point in part.corners() {
+            check_reach([point; 2], &surface.place)?;
         }
         Ok(Some(part))
     }

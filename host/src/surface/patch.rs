@@ -81,7 +81,7 @@ impl Patch {
         let square = (b - a).cross(d - c).dot(direction);
         let linear = last - first - square;
         let discriminant = linear * linear - 4.0 * square * first;
-        if !(discriminant >= 0.0) {
+        if discriminant < 0.0 || discriminant.is_nan() {
             return [None; 2];
         }
         let root = discriminant.sqrt();
@@ -127,7 +127,9 @@ impl Patch {
             let dt = rest.dot(normal) / determinant;
             let (t, at) = (t - dt, at - DVec2::new(du, dv));
             current = (t, at, residual(t, at).length());
-            if !(current.2 < best.2) {
+            // A step that does not help, or is not a number, ends it.
+            let better = current.2 < best.2;
+            if !better {
                 break;
             }
             best = current;
@@ -153,7 +155,7 @@ impl Patch {
         let mut found: Option<(f64, DVec2)> = None;
         for (t, at, residual) in self.cross(origin, direction).into_iter().flatten() {
             let within = |x: f64, edge: DVec3| {
-                (x >= 0.0 && x <= 1.0) || (-x).max(x - 1.0) * edge.length() <= slack
+                (0.0..=1.0).contains(&x) || (-x).max(x - 1.0) * edge.length() <= slack
             };
             let ahead = t > 0.0 && t * size > slack && t <= found.map_or(t_max, |f| f.0);
             if ahead

@@ -9,7 +9,9 @@ use std::time::Duration;
 use glam::{DVec3, Vec3A};
 use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
+use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2;
+use obvhs::ploc::SortPrecision;
 
 use crate::line::ROUNDING;
 
@@ -24,18 +26,25 @@ struct Node {
     count: u32,
 }
 
+/// Two nodes that are always looked at together: one line of the cache.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
+struct Pair([Node; 2]);
+
 /// Boxes sorted for rays. 32 bytes per node, at most two nodes per leaf.
 #[derive(Debug, Default)]
 pub(super) struct Tree {
-    nodes: Vec<Node>,
+    root: Option<Node>,
+    pairs: Vec<Pair>,
     middle: DVec3,
     /// A power of two.
     scale: f64,
 }
 
-/// Nodes that a walk has still to visit, nearest last. Deep trees spill to the heap.
+/// Nodes that a walk has still to visit, nearest last: twice the pair plus the side, and where the ray enters.
+/// Deep trees spill to the heap.
 struct Pending {
-    near: [(u32, f64); 64],
+    near: [(u32, f64); 32],
     count: usize,
     deep: Vec<(u32, f64)>,
 }
@@ -155,24 +164,20 @@ impl Tree {
             .collect();
         let built = build_bvh2(
             &boxes,
-            BvhBuildParams::medium_build(),
+            BvhBuildParams {
+                // Pieces cost more than boxes here.
+                max_prims_per_leaf: 2,
+                collapse_traversal_cost: 1.0,
+                // A small object on a wide ground needs more than 21 bits.
+                sort_precision: SortPrecision::U128,
+                ..BvhBuildParams::medium_build()
+            },
             &mut Duration::default(),
         );
-        let nodes = built
-            .nodes
-            .iter()
-            .map(|node| {
-                let aabb = node.aabb();
-                let ([a, b, c], [d, e, f]) = (aabb.min.to_array(), aabb.max.to_array());
-                Node {
-                    planes: [a, b, c, d, e, f],
-                    first: node.first_index,
-                    count: node.prim_count,
-                }
-            })
-            .collect();
+        let (root, pairs) = paired(&built);
         let tree = Self {
-            nodes,
+            root,
+            pairs,
             middle,
             scale,
         };
@@ -191,41 +196,33 @@ impl Tree {
         mut leaf: impl FnMut(std::ops::Range<usize>, f64) -> f64,
     ) {
         let slabs = Slabs::new((origin - self.middle) * self.scale, direction * self.scale);
-        let Some(root) = self.nodes.first() else {
+        let Some(mut node) = self.root else {
             return;
         };
-        let mut pending = Pending {
-            near: [(0, 0.0); 64],
-            count: 0,
-            deep: Vec::new(),
-        };
-        let mut node = root;
         if !slabs.enter(&node.planes, t_max).is_finite() {
             return;
         }
+        let mut pending = Pending {
+            near: [(0, 0.0); 32],
+            count: 0,
+            deep: Vec::new(),
+        };
         loop {
+            let first = node.first as usize;
             if node.count > 0 {
-                let first = node.first as usize;
                 t_max = leaf(first..first + node.count as usize, t_max);
                 if t_max < 0.0 {
                     return;
                 }
-            } else {
-                let first = node.first as usize;
-                if let Some([a, b]) = self.nodes.get(first..first + 2) {
-                    let (s, t) = (slabs.enter(&a.planes, t_max), slabs.enter(&b.planes, t_max));
-                    let (near, far, near_t, far_t) = if t < s {
-                        (b, node.first, t, s)
-                    } else {
-                        (a, node.first + 1, s, t)
-                    };
-                    if far_t.is_finite() {
-                        pending.push((far, far_t));
-                    }
-                    if near_t.is_finite() {
-                        node = near;
-                        continue;
-                    }
+            } else if let Some(Pair([a, b])) = self.pairs.get(first) {
+                let (s, t) = (slabs.enter(&a.planes, t_max), slabs.enter(&b.planes, t_max));
+                let (near, side, near_t, far_t) = if t < s { (b, 0, t, s) } else { (a, 1, s, t) };
+                if far_t.is_finite() {
+                    pending.push((2 * node.first + side, far_t));
+                }
+                if near_t.is_finite() {
+                    node = *near;
+                    continue;
                 }
             }
             loop {
@@ -234,14 +231,60 @@ impl Tree {
                 };
                 // Bounds came down since it was put aside; its entry may have been rounded up.
                 if t * (1.0 - 8.0 * ROUNDING) <= t_max
-                    && let Some(next) = self.nodes.get(next as usize)
+                    && let Some(Pair(sides)) = self.pairs.get(next as usize / 2)
                 {
-                    node = next;
+                    node = sides[next as usize % 2];
                     break;
                 }
             }
         }
     }
+}
+
+/// The nodes of a tree in pairs, each before what is below it and next to what is below its first.
+fn paired(built: &Bvh2) -> (Option<Node>, Vec<Pair>) {
+    let node = |i: u32| {
+        built.nodes.get(i as usize).map(|node| {
+            let aabb = node.aabb();
+            let ([a, b, c], [d, e, f]) = (aabb.min.to_array(), aabb.max.to_array());
+            Node {
+                planes: [a, b, c, d, e, f],
+                first: node.first_index,
+                count: node.prim_count,
+            }
+        })
+    };
+    let Some(mut root) = node(0) else {
+        return (None, Vec::new());
+    };
+    let mut pairs: Vec<Pair> = Vec::with_capacity(built.nodes.len() / 2);
+    // Where the parent of what is to be placed stands: pair and side; none is the root.
+    let mut open = Vec::new();
+    if root.count == 0 {
+        open.push((None, root.first));
+    }
+    while let Some((parent, first)) = open.pop() {
+        let (Some(a), Some(b)) = (node(first), node(first + 1)) else {
+            continue;
+        };
+        let place = pairs.len();
+        match parent {
+            None => root.first = place as u32,
+            Some((pair, side)) => {
+                let above: Option<&mut Pair> = pairs.get_mut::<usize>(pair);
+                if let Some(above) = above.and_then(|p| p.0.get_mut::<usize>(side)) {
+                    above.first = place as u32;
+                }
+            }
+        }
+        pairs.push(Pair([a, b]));
+        for (side, child) in [(1, b), (0, a)] {
+            if child.count == 0 {
+                open.push((Some((place, side)), child.first));
+            }
+        }
+    }
+    (Some(root), pairs)
 }
 
 /// The box around boxes.
@@ -252,4 +295,84 @@ pub(super) fn union(boxes: impl Iterator<Item = [DVec3; 2]>) -> Option<[DVec3; 2
 /// The power of two with the exponent of a positive normal number.
 fn power_of_two_below(x: f64) -> f64 {
     f64::from_bits(x.to_bits() & (0x7ff << 52))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nothing_is_lost_beyond_the_stack() {
+        let mut pending = Pending {
+            near: [(0, 0.0); 32],
+            count: 0,
+            deep: Vec::new(),
+        };
+        for i in 0..100 {
+            pending.push((i, f64::from(i)));
+        }
+        for i in (0..100).rev() {
+            assert_eq!(pending.pop(), Some((i, f64::from(i))));
+        }
+        assert_eq!(pending.pop(), None);
+        assert!(pending.pop().is_none());
+    }
+
+    #[test]
+    fn slabs_judge_by_the_planes_of_the_box() {
+        let planes = [-1.0, -1.0, -1.0, 1.0, 1.0, 1.0];
+        let enter = |o: [f64; 3], d: [f64; 3], t_max| {
+            Slabs::new(DVec3::from_array(o), DVec3::from_array(d)).enter(&planes, t_max)
+        };
+        let near = enter([-3.0, 0.0, 0.0], [1.0, 0.0, 0.0], 9.0);
+        assert!((near - 2.0).abs() < 1e-14, "{near}");
+        assert!(enter([-3.0, 0.0, 0.0], [1.0, 0.0, 0.0], 1.9).is_infinite());
+        assert!(enter([-3.0, 0.0, 0.0], [-1.0, 0.0, 0.0], 9.0).is_infinite());
+        assert!(enter([3.0, 0.0, 0.0], [-1.0, -0.0, 0.0], 9.0).is_finite());
+        // Along a face, within it, and beside it.
+        assert!(enter([-3.0, 1.0, 0.0], [1.0, 0.0, 0.0], 9.0).is_finite());
+        assert!(enter([-3.0, 1.0, 0.0], [1.0, -0.0, 0.0], 9.0).is_finite());
+        assert!(enter([-3.0, 1.0 + 1e-9, 0.0], [1.0, 0.0, 0.0], 9.0).is_infinite());
+        // From inside.
+        assert_eq!(enter([0.1, 0.2, 0.3], [0.6, 0.0, 0.8], 9.0), 0.0);
+    }
+
+    #[test]
+    fn every_leaf_is_shown_once_and_the_walk_ends_when_told() {
+        let boxes: Vec<_> = (0..1000)
+            .map(|i| {
+                let low = DVec3::new(f64::from(i), 0.0, 0.0);
+                [low, low + DVec3::splat(0.5)]
+            })
+            .collect();
+        let (tree, order) = Tree::new(&boxes);
+        let mut shown = vec![0; 1000];
+        let (origin, along) = (DVec3::new(-1.0, 0.25, 0.25), DVec3::X);
+        tree.walk(origin, along, f64::INFINITY, |range, t_max| {
+            for i in range {
+                shown[order[i] as usize] += 1;
+            }
+            t_max
+        });
+        assert!(shown.iter().all(|&count| count == 1));
+        let mut most = 0;
+        tree.walk(origin, along, f64::INFINITY, |range, _| {
+            most = range.map(|i| order[i]).fold(most, u32::max);
+            if most > 3 { -1.0 } else { 3.2 }
+        });
+        assert!(most < 6, "{most}");
+        let (empty, _) = Tree::new(&[]);
+        empty.walk(origin, along, 1.0, |_, _| panic!("nothing is there"));
+    }
+
+    #[test]
+    fn many_boxes_in_one_place_are_no_trouble() {
+        let (tree, order) = Tree::new(&[[DVec3::ONE; 2]; 5000]);
+        let mut shown = 0;
+        tree.walk(DVec3::ZERO, DVec3::ONE, 9.0, |range, t_max| {
+            shown += range.len();
+            t_max
+        });
+        assert_eq!((shown, order.len()), (5000, 5000));
+    }
 }

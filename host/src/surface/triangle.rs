@@ -25,12 +25,9 @@ pub(super) fn meet(
     t_max: f64,
 ) -> Option<(f64, DVec2)> {
     let crossing = shear.cross(corners, origin)?;
-    // The negation also refuses what is not a number.
-    if !(crossing.t > 0.0 && crossing.t <= t_max) || !(crossing.t > shear.error(&crossing)) {
-        return None;
-    }
-    let (b, c) = crossing.weights();
-    Some((crossing.t, DVec2::new(b, c)))
+    let t = crossing.t;
+    let ahead = t > 0.0 && t <= t_max && t > shear.error(&crossing);
+    ahead.then(|| (t, DVec2::from(crossing.weights())))
 }
 
 /// The place with given weights of the second and third corner, within the plane but for rounding.

@@ -181,6 +181,11 @@ impl Boundaries {
         }
     }
 
+    /// Whether different media may share a place.
+    pub(super) fn overlap(&self) -> bool {
+        self.overlaps
+    }
+
     /// The medium that fills space outside of every boundary.
     pub(super) fn exterior(&self) -> Option<usize> {
         self.exterior

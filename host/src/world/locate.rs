@@ -6,18 +6,17 @@ use woodcock_core::path::Convex;
 use super::boundaries::{self, Facing};
 use super::shape::{self, Region};
 use super::{Assembled, Boundaries, Feature, Location, Needs, Sides};
-use crate::scene::{Boundary, Enclosure, Place, Scene, SceneError, Warning};
+use crate::scene::{Boundary, Enclosure, Scene, SceneError, Warning};
 
 /// Finds the simplest description of where media lie.
 pub(super) fn locate(
     scene: &Scene,
     assembled: &Assembled,
     origin: DVec3,
-    chromatic: bool,
     keep: &[Feature],
     needs: &mut Needs,
     warnings: &mut Vec<Warning>,
-) -> Result<Location, SceneError> {
+) -> Location {
     let boundaries: Vec<_> = scene
         .boundaries
         .iter()
@@ -73,30 +72,23 @@ pub(super) fn locate(
     };
     if assembled.media.is_empty() || (boundaries.is_empty() && exterior.is_none()) {
         needs.decide(Feature::Boundaries, false, &[], "no medium in reach");
-        return Ok(Location::Nowhere);
+        return Location::Nowhere;
     }
     let search = needs.decide(Feature::Boundaries, convex.is_none(), keep, reason);
     match convex {
         // A kernel of several media still takes a convex place: its medium is number zero.
-        Some(convex) if !search => Ok(Location::Convex(convex)),
+        Some(convex) if !search => Location::Convex(convex),
         _ => {
             let overlaps = overlaps(assembled, &boundaries, exterior, origin);
-            if let (Some(place), true) = (&overlaps, chromatic) {
-                return Err(SceneError::at(
-                    place,
-                    "media of coloured extinction whose regions overlap are not supported yet",
-                )
-                .help("make the extinction grey, or name the enclosing medium as this boundary's outside"));
-            }
             let supports = assembled.media.iter().map(|m| m.support).collect();
-            let overlapping = overlaps.is_some() && several;
-            Ok(Location::Boundaries(Boundaries::new(
+            let overlapping = overlaps && several;
+            Location::Boundaries(Boundaries::new(
                 &boundaries,
                 exterior,
                 supports,
                 origin,
                 overlapping,
-            )))
+            ))
         }
     }
 }
@@ -159,16 +151,15 @@ fn convex(
     }
 }
 
-/// The place of a boundary whose medium may share space with another, if there is one. Judged by boxes: it
-/// may be wrong on the safe side.
+/// Whether media of different boundaries may share space. Judged by boxes: it may be wrong on the safe side.
 fn overlaps(
     assembled: &Assembled,
     boundaries: &[(&Boundary, Sides)],
     exterior: Option<usize>,
     origin: DVec3,
-) -> Option<Place> {
+) -> bool {
     if assembled.media.len() < 2 {
-        return None;
+        return false;
     }
     let boxed = |boundary: &Boundary| -> (DVec3, DVec3) {
         let points: Vec<DVec3> = match &boundary.shape {
@@ -198,7 +189,7 @@ fn overlaps(
                 .iter()
                 .any(|(_, s)| s.inside == sides_a.outside && s.inside.is_some());
             if !nested {
-                return Some(a.place.clone());
+                return true;
             }
         }
         for (b, sides_b) in &boundaries[i + 1..] {
@@ -210,9 +201,9 @@ fn overlaps(
             let ((low_a, high_a), (low_b, high_b)) = (boxed(a), boxed(b));
             let apart = high_a.cmplt(low_b).any() || high_b.cmplt(low_a).any();
             if !declared && !apart {
-                return Some(b.place.clone());
+                return true;
             }
         }
     }
-    None
+    false
 }

@@ -86,6 +86,8 @@ pub struct World {
     pub lighting: Lighting,
     /// Media that shine, as lights.
     pub(crate) glow: Option<Glow>,
+    /// The largest extinction of each medium, by its bounds [1/length].
+    pub(crate) thickest: Vec<f64>,
     /// The diameter of what bounds the media \[length\]; infinite where one fills space.
     extent: f64,
     /// The camera may be inside one.
@@ -228,7 +230,7 @@ pub fn assemble(scene: &Scene, files: &dyn Files, options: &Options) -> Result<W
         },
     );
     let chromatic_media = assembled.media.iter().filter(|m| m.is_chromatic()).count();
-    let chromatic = needs.decide(
+    needs.decide(
         Feature::Chromatic,
         chromatic_media > 0,
         keep,
@@ -238,15 +240,7 @@ pub fn assemble(scene: &Scene, files: &dyn Files, options: &Options) -> Result<W
             "grey extinction: one scalar weight".to_owned()
         },
     );
-    let place = locate(
-        scene,
-        &assembled,
-        origin,
-        chromatic,
-        keep,
-        &mut needs,
-        &mut warnings,
-    )?;
+    let place = locate(scene, &assembled, origin, keep, &mut needs, &mut warnings);
     lights_needed(scene, keep, &mut needs);
     let rayleigh = assembled.media.iter().any(|m| m.record.rayleigh);
     let reason = if rayleigh {
@@ -269,7 +263,14 @@ pub fn assemble(scene: &Scene, files: &dyn Files, options: &Options) -> Result<W
     let lighting = Lighting::new(scene, &surfaces, bounds, origin, files, &options.limits)?;
     let alone = lighting.is_empty();
     let glow = Glow::new(&assembled.media, &assembled.tables, alone);
-    scalar_needed(scene, &assembled.media, &surfaces, keep, &mut needs);
+    let overlaps = matches!(&place, Location::Boundaries(b) if b.overlap());
+    scalar_needed(
+        scene,
+        (&assembled.media, overlaps),
+        &surfaces,
+        keep,
+        &mut needs,
+    );
     let (distant, environment) = lights(scene)?;
     let records = assembled
         .media
@@ -282,7 +283,9 @@ pub fn assemble(scene: &Scene, files: &dyn Files, options: &Options) -> Result<W
     } else {
         extent::diameter(scene)
     };
+    let thickest = |medium| work::thickest(medium, &assembled.tables);
     Ok(World {
+        thickest: assembled.media.iter().map(thickest).collect(),
         extent,
         camera_within: scene.camera_medium.is_some(),
         resolution,
@@ -307,7 +310,7 @@ pub fn assemble(scene: &Scene, files: &dyn Files, options: &Options) -> Result<W
 /// What only scalar integrators do.
 fn scalar_needed(
     scene: &Scene,
-    media: &[Medium],
+    (media, overlaps): (&[Medium], bool),
     surfaces: &Surfaces,
     keep: &[Feature],
     needs: &mut Needs,
@@ -330,22 +333,26 @@ fn scalar_needed(
     };
     needs.decide(Feature::LocalLights, local > 0, &[], reason);
     let detailed = media.iter().filter(|medium| !medium.is_plain()).count();
-    let reason = match detailed {
-        0 => "media are grey or of one colour, and dark".to_owned(),
-        n => format!("{n} media shine, vary in colour or scatter by other laws"),
+    let mixed = overlaps && needs.runs(Feature::Chromatic);
+    let reason = match (detailed, mixed) {
+        (0, false) => "media are grey or of one colour, and dark".to_owned(),
+        (0, true) => "coloured media overlap".to_owned(),
+        (n, _) => format!("{n} media shine, vary in colour or scatter by other laws"),
     };
-    needs.decide(Feature::DetailedMedia, detailed > 0, &[], reason);
+    needs.decide(Feature::DetailedMedia, detailed > 0 || mixed, &[], reason);
     let at_points = scene
         .lights
         .iter()
         .any(|light| is_local(&light) && !matches!(light, Light::Image(_)));
     let near = (at_points || shining > 0) && !media.is_empty();
-    let reason = if near {
-        "lights among media: distances are sampled by nearness too"
-    } else {
-        "no light is near a medium"
+    let reason = match (near, overlaps) {
+        (false, _) => "no light is near a medium",
+        (true, false) => "lights among media: distances are sampled by nearness too",
+        (true, true) => "media overlap: flights alone find distances",
     };
-    needs.decide(Feature::EquiAngular, near, keep, reason);
+    // Where media overlap, a place does not tell which of them scatters.
+    let keep = if overlaps { &[] } else { keep };
+    needs.decide(Feature::EquiAngular, near && !overlaps, keep, reason);
 }
 
 /// Size of the picture, and the part of it to render.

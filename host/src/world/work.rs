@@ -22,6 +22,26 @@ pub const LIMIT: f64 = 1e7;
 /// diffusion takes about D²/8 to the surface. Neither goes on longer than absorption lets live.
 pub(super) fn collisions(medium: &Medium, tables: &Tables, extent: f64, from_within: bool) -> f64 {
     let record = &medium.record;
+    let extent = medium.support.as_ref().map_or(extent, |support| {
+        let [near, .., far] = support.corners();
+        extent.min((far - near).length())
+    });
+    let across = thickest(medium, tables) * extent;
+    let seen = (0..3).filter(|&c| record.colour[c] > 0.0);
+    let albedo = seen
+        .map(|c| f64::from(record.albedo[c]))
+        .fold(0.0, f64::max);
+    let scattered = if from_within {
+        across.max(across * across / 8.0)
+    } else {
+        across
+    };
+    scattered.min(1.0 / (1.0 - albedo))
+}
+
+/// The largest extinction of a medium, by its bounds [1/length].
+pub(super) fn thickest(medium: &Medium, tables: &Tables) -> f64 {
+    let record = &medium.record;
     let largest = match record.kind {
         RecordKind::Homogeneous => 1.0,
         RecordKind::Grid {
@@ -33,19 +53,5 @@ pub(super) fn collisions(medium: &Medium, tables: &Tables, extent: f64, from_wit
             f64::from(bounds.iter().fold(0.0_f32, |a, b| a.max(*b)))
         }
     };
-    let extent = medium.support.as_ref().map_or(extent, |support| {
-        let [near, .., far] = support.corners();
-        extent.min((far - near).length())
-    });
-    let across = f64::from(record.scale) * largest * extent;
-    let seen = (0..3).filter(|&c| record.colour[c] > 0.0);
-    let albedo = seen
-        .map(|c| f64::from(record.albedo[c]))
-        .fold(0.0, f64::max);
-    let scattered = if from_within {
-        across.max(across * across / 8.0)
-    } else {
-        across
-    };
-    scattered.min(1.0 / (1.0 - albedo))
+    f64::from(record.scale) * largest
 }

@@ -1,7 +1,7 @@
-//! Cubes under a parallel light or a point: what a camera ray sees, by two independent renderers.
+//! Cubes under a parallel light or a point, and balls with surfaces: what a camera ray sees, by two independent renderers.
 //!
-//! Index-matched, in [0, 1]³, Henyey–Greenstein, black background. The table has further scenes with surfaces, which
-//! are left out here. Uncertainty: the standard errors given.
+//! Cubes are index-matched, in [0, 1]³, over a black background; balls have radius 1 about the origin, in a uniform
+//! environment of radiance 1. Henyey–Greenstein. Uncertainty: the standard errors given.
 
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
@@ -88,12 +88,52 @@ impl From<Cube> for Lit {
     }
 }
 
+/// What is special about a ball.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(tag = "case", rename_all = "snake_case")]
+pub enum Inlay {
+    /// A smooth dielectric surface.
+    DielectricSphere {
+        /// Refractive index inside.
+        n: f64,
+    },
+    /// Index-matched, with an opaque Lambertian ball in its middle.
+    CoreSphere {
+        /// Radius of that ball.
+        rc: f64,
+        /// Its albedo.
+        rho: f64,
+    },
+}
+
+/// A ball of a homogeneous medium, and a ray into it.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+pub struct Ball {
+    /// Surfaces.
+    #[serde(flatten)]
+    pub inlay: Inlay,
+    /// Optical radius: extinction, since the radius is 1.
+    pub t: f64,
+    /// Single-scattering albedo.
+    pub albedo: f64,
+    /// Mean cosine.
+    pub g: f64,
+    /// Distance of the ray from the centre.
+    pub b: f64,
+    /// Radiance of all orders of scattering.
+    #[serde(rename = "L")]
+    pub radiance: f64,
+    /// Its standard error.
+    #[serde(rename = "stderr")]
+    pub radiance_error: f64,
+}
+
 /// Reads the cubes under parallel light.
 ///
 /// # Panics
 /// When the file does not match these types.
 pub fn load() -> Vec<Cube> {
-    cubes("directional")
+    cases(|case| case["case"] == "cube" && case["light"] == "directional")
 }
 
 /// Reads the cubes lit by a point.
@@ -101,19 +141,26 @@ pub fn load() -> Vec<Cube> {
 /// # Panics
 /// When the file does not match these types.
 pub fn load_point_lit() -> Vec<PointLit> {
-    cubes("point")
+    cases(|case| case["case"] == "cube" && case["light"] == "point")
 }
 
-fn cubes<T: DeserializeOwned>(light: &str) -> Vec<T> {
+/// Reads the balls with surfaces.
+///
+/// # Panics
+/// When the file does not match these types.
+pub fn load_balls() -> Vec<Ball> {
+    cases(|case| case["case"] != "cube")
+}
+
+fn cases<T: DeserializeOwned>(ours: impl Fn(&serde_json::Value) -> bool) -> Vec<T> {
     #[derive(Deserialize)]
     struct File {
         cases: Vec<serde_json::Value>,
     }
     let file: File = super::parse("scenes3d", include_str!("../../refs/scenes3d.json"));
-    let ours = |case: &serde_json::Value| case["case"] == "cube" && case["light"] == light;
     file.cases
         .into_iter()
-        .filter(ours)
+        .filter(|case| ours(case))
         .map(|case| super::parse("scenes3d", &case.to_string()))
         .collect()
 }
@@ -136,6 +183,20 @@ mod tests {
         for PointLit { light_pos, rest } in cubes {
             assert!(rest.once > 0.0 && rest.radiance > rest.once, "{rest:?}");
             assert!(light_pos.iter().any(|c| !(0.0..=1.0).contains(c)));
+        }
+    }
+
+    #[test]
+    fn balls_absorb_some_light() {
+        let balls = load_balls();
+        assert_eq!(balls.len(), 5);
+        let glass = |b: &&Ball| matches!(b.inlay, Inlay::DielectricSphere { .. });
+        assert_eq!(balls.iter().filter(glass).count(), 3);
+        for ball in balls {
+            assert!(
+                ball.radiance < 1.0 && ball.radiance > 0.0 && ball.b < 1.0,
+                "{ball:?}"
+            );
         }
     }
 }

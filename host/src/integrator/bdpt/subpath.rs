@@ -12,6 +12,10 @@ use crate::surface::Hit;
 
 /// Below this throughput a subpath plays roulette, and survives with it.
 const ROULETTE: f64 = 0.25;
+/// From this many vertices on every subpath plays another roulette, whatever it carries: joining two of n vertices takes n²
+/// shadow rays. It survives each with this chance.
+const LONG: u32 = 32;
+const SURVIVAL: f64 = 0.95;
 
 /// A vertex of a subpath, and the segment that leads to it.
 #[derive(Clone, Copy, Debug)]
@@ -184,7 +188,11 @@ pub(super) fn grow<D: Draws>(
         if largest <= 0.0 || number + 1 == start.limit {
             return;
         }
-        let factor = collision::roulette(largest, ROULETTE, draws, true);
+        let mut factor = collision::roulette(largest, ROULETTE, draws, true);
+        if number >= LONG {
+            let survives = draws.one() < SURVIVAL;
+            factor *= if survives { 1.0 / SURVIVAL } else { 0.0 };
+        }
         if factor == 0.0 {
             return;
         }

@@ -75,7 +75,8 @@ impl<'a> Walker<'a> {
 
     /// Traces the paths of a state.
     fn evaluate(&mut self, draws: &mut Primaries, state: &mut State) {
-        draws.vertex(Subpath::Camera, 0);
+        // Numbers that nothing else asks for: the camera's own first vertex is a place on its lens.
+        draws.vertex(Subpath::Join, 1);
         let [width, height] = self.window.size().map(f64::from);
         let film = [
             f64::from(self.window.x0) + draws.one() * width,

@@ -70,7 +70,8 @@ impl Ellipsoid<'_> {
     fn cone(&self, reference: DVec3) -> Option<Cone> {
         let origin = self.0.to_local.transform_point3(reference);
         let distance = origin.length();
-        if !(distance > 1.0) || !distance.is_finite() {
+        let outside = distance > 1.0 && distance.is_finite();
+        if !outside {
             return None;
         }
         let sin = 1.0 / distance;

@@ -306,13 +306,15 @@ fn coefficients_beyond_single_precision_are_refused() {
 }
 
 #[test]
-fn colours_that_overlap_are_refused_where_they_do() {
+fn colours_that_overlap_are_for_scalar_code() {
     let tinted = coloured([0.1, 0.5, 1.0], [1.0; 3], 0.0);
     let world = homogeneous("a", &tinted)
         + &homogeneous("b", &grey(1.0, 0.5, 0.0))
         + &ball("a", "", [0.0; 3], 1.0)
         + &ball("b", "", [0.5, 0.0, 0.0], 1.0);
-    assert_refused(&view(&world), MemoryFiles::new(), &["overlap", "outside"]);
+    let needs = stage(&view(&world)).world.needs;
+    assert!(needs.runs(Feature::DetailedMedia));
+    assert!(needs.to_string().contains("coloured media overlap"));
 }
 
 #[test]

@@ -1,0 +1,122 @@
+//! What the comparison of pictures sees: mistakes planted in the scene, one for each thing an integrator may get wrong, all
+//! rejected by the judge of the other suites at the samples that it has there.
+
+use woodcock_host::integrator::Integrator;
+use woodcock_tests::gallery::*;
+use woodcock_tests::pictures::*;
+use woodcock_tests::replicates::Replicates;
+use woodcock_tests::stats::must_kill;
+
+/// What is planted.
+struct Scene {
+    extinction: f64,
+    light: f64,
+    limit: u32,
+    reflectance: f64,
+    g: f64,
+    lens: f64,
+    emission: f64,
+}
+
+const RIGHT: Scene = Scene {
+    extinction: 1.0,
+    light: 1.0,
+    limit: 6,
+    reflectance: 0.8,
+    g: 0.5,
+    lens: 0.05,
+    emission: 1.0,
+};
+
+/// Relative standard error that each comparison must reach.
+const RESOLUTION: f64 = 0.003;
+
+impl Scene {
+    /// A ball of fog and a fire close to the camera on a floor, below a wide lamp: few paths bring much more than others.
+    fn exhibit(&self) -> Exhibit {
+        let Self {
+            extinction,
+            light,
+            reflectance,
+            ..
+        } = *self;
+        let camera = perspective([0.0, 0.2, -3.0], [0.0, -0.15, 1.0], 32.0)
+            + &format!(
+                " \"float lensradius\" {} \"float focaldistance\" 2.5",
+                self.lens
+            );
+        let world = sky(light)
+            + &floor(&diffuse([reflectance; 3]))
+            + &sphere(&diffuse([reflectance; 3]), [0.55, -0.5, -0.7], 0.4)
+            + &homogeneous("m", &grey(3.0 * extinction, 0.4, self.g))
+            + &fire(0.5 * self.emission)
+            + &ball("m", "", [-0.3, 0.0, 0.0], 0.7)
+            + &block("fire", "", [[0.0, -0.4, -0.2], [1.0; 3]]);
+        Exhibit::new("planted", camera, world).limited(self.limit)
+    }
+
+    fn shoot(&self, integrator: Integrator, seed: u64) -> Replicates {
+        let n = match integrator {
+            Integrator::Path => 640,
+            Integrator::Bdpt => 256,
+            _ => 192,
+        };
+        Replicates::of("planted", &self.exhibit().stage(integrator, seed), n)
+    }
+}
+
+#[test]
+fn planted_mistakes_are_rejected() {
+    let reference = RIGHT.shoot(Integrator::Path, 4000);
+    for (integrator, seed) in [(Integrator::Bdpt, 4001), (Integrator::Mlt, 4002)] {
+        let same = RIGHT.shoot(integrator, seed);
+        same.assert_same(integrator.name(), &reference, RESOLUTION);
+    }
+    let mistakes = [
+        (
+            "extinction",
+            Scene {
+                extinction: 1.04,
+                ..RIGHT
+            },
+        ),
+        (
+            "light",
+            Scene {
+                light: 1.03,
+                ..RIGHT
+            },
+        ),
+        ("limit", Scene { limit: 2, ..RIGHT }),
+        (
+            "reflectance",
+            Scene {
+                reflectance: 0.97 * 0.8,
+                ..RIGHT
+            },
+        ),
+        ("mean cosine", Scene { g: 0.3, ..RIGHT }),
+        (
+            "lens",
+            Scene {
+                lens: 0.15,
+                ..RIGHT
+            },
+        ),
+        (
+            "emission",
+            Scene {
+                emission: 1.1,
+                ..RIGHT
+            },
+        ),
+    ];
+    for ((name, mistake), seed) in mistakes.into_iter().zip((4010..).step_by(10)) {
+        let integrators = [Integrator::Path, Integrator::Bdpt, Integrator::Mlt];
+        for (integrator, seed) in integrators.into_iter().zip(seed..) {
+            let picture = mistake.shoot(integrator, seed);
+            let verdict = picture.strongest(&reference, RESOLUTION);
+            must_kill(&format!("{name}, {}", integrator.name()), verdict);
+        }
+    }
+}
