@@ -160,3 +160,41 @@ fn blocks(pixels: usize, width: usize) -> Vec<Vec<usize>> {
     }
     blocks
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two runs of 32 × 16 pixels, `deviation` below and above one.
+    fn around_one(deviation: f64) -> Runs {
+        Runs(vec![
+            vec![[1.0 - deviation; 3]; 512],
+            vec![[1.0 + deviation; 3]; 512],
+        ])
+    }
+
+    #[test]
+    fn errors_are_variances_relative_to_the_reference() {
+        let qualities = judge(&[around_one(0.1), around_one(0.3)], 32);
+        for (quality, deviation) in qualities.iter().zip([0.1, 0.3]) {
+            let error = 2.0 * deviation * deviation / 1.01;
+            assert!((quality.error - error).abs() < 1e-12, "{quality:?}");
+            assert!((quality.block_median - error).abs() < 1e-12);
+            assert!((quality.mean - 1.0).abs() < 1e-12);
+            assert!((quality.mean_error - deviation).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn a_firefly_moves_the_mean_but_not_the_median() {
+        let mut runs = around_one(0.1);
+        let mut wide: Vec<Picture> = runs.0.iter().map(|run| run.repeat(4)).collect();
+        runs.0.clone_from(&wide);
+        let clean = judge(&[runs.clone(), runs.clone()], 32);
+        wide[0][0] = [500.0; 3];
+        let spoilt = judge(&[Runs(wide), runs], 32);
+        assert!(spoilt[0].error > 100.0 * clean[0].error, "{spoilt:?}");
+        let ratio = spoilt[0].block_median / clean[0].block_median;
+        assert!((ratio - 1.0).abs() < 0.05, "{ratio}");
+    }
+}
