@@ -4,6 +4,7 @@
 
 pub mod plot;
 pub mod profile;
+pub mod relative;
 
 use std::time::Instant;
 
