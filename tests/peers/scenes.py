@@ -162,11 +162,11 @@ def rough_glass():
     matter = {
         "type": "roughdielectric",
         "distribution": "ggx",
-        "alpha": 0.3,
+        "alpha": 0.7,
         "int_ior": 1.5,
         "ext_ior": 1.0,
     }
-    matter = masking.correlated(matter, 0.3, 0.3)
+    matter = masking.correlated(matter, 0.7, 0.7)
     return scene(floor_camera(), **on_a_floor(ball=ball([0, 0.9, 0], 0.8, bsdf=matter)))
 
 
@@ -194,10 +194,10 @@ def rough_metal():
         sky=constant(0.3, 0.4, 0.5),
         sun=sun([1, 2, -1.5], 2, 1.8, 1.5),
         floor=floor(),
-        ball=ball([-0.8, 0.8, 0], 0.7, bsdf={"type": "twosided", "bsdf": metal(*COPPERY, 0.25, 0.25)}),
+        ball=ball([-0.8, 0.8, 0], 0.7, bsdf={"type": "twosided", "bsdf": metal(*COPPERY, 0.8, 0.8)}),
         plate={
             **plate,
-            "bsdf": {"type": "twosided", "bsdf": metal([1.5, 0.9, 0.6], [7.5, 6.5, 5.5], 0.1, 0.4)},
+            "bsdf": {"type": "twosided", "bsdf": metal([1.5, 0.9, 0.6], [7.5, 6.5, 5.5], 0.2, 0.7)},
         },
     )
 
@@ -433,7 +433,7 @@ SCENES = {
 }
 
 # How many times more samples scenes of much noise take.
-NOISY = {"sun-cube": 8, "spot-fog": 8, "point-fog": 4}
+NOISY = {"sun-cube": 16, "spot-fog": 8, "point-fog": 4}
 
 # Pictures that a scene's pbrt file names, written beside a copy of it.
 PICTURES = {"picture-sky": {"sky.exr": sky_for_woodcock}, "texture": {"tiles.exr": tiles}}
