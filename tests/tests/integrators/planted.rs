@@ -104,7 +104,7 @@ fn planted_mistakes_are_rejected() {
             },
         ),
         ("mean cosine", Scene { g: 0.0, ..RIGHT }),
-        ("lens", Scene { lens: 0.2, ..RIGHT }),
+        ("lens", Scene { lens: 0.8, ..RIGHT }),
         (
             "emission",
             Scene {
