@@ -10,8 +10,14 @@ use woodcock_tests::pictures::*;
 use woodcock_tests::replicates::Replicates;
 use woodcock_tests::stats::must_kill;
 
-/// Relative standard error that each comparison must reach.
-const RESOLUTION: f64 = 0.006;
+/// Relative standard error that each comparison must reach; chains have few independent states.
+const fn resolution(integrator: Integrator) -> f64 {
+    match integrator {
+        Integrator::Mlt => 0.02,
+        _ => 0.01,
+    }
+}
+
 const INTEGRATORS: [Integrator; 3] = [Integrator::Path, Integrator::Bdpt, Integrator::Mlt];
 
 /// Samples, since light at the same place everywhere makes little noise.
@@ -34,7 +40,7 @@ fn assert_white(exhibit: &Exhibit, seed: u64, value: f64) {
     for (integrator, seed) in INTEGRATORS.into_iter().zip(seed..) {
         let picture = replicates(exhibit, integrator, seed);
         let name = format!("{}, {}", exhibit.name, integrator.name());
-        picture.assert_same(&name, &picture.known(value), RESOLUTION);
+        picture.assert_same(&name, &picture.known(value), resolution(integrator));
     }
 }
 
@@ -126,7 +132,7 @@ fn media_that_absorb_nothing_are_white() {
 }
 
 fn milk(sigma_s: Xyz) -> String {
-    homogeneous("milk", &white(sigma_s, 0.3)) + &in_glass("milk", "", [-0.7, -0.6, -1.1], 0.3)
+    homogeneous("milk", &white(sigma_s, 0.3)) + &in_glass("milk", "", [-0.8, -0.6, -1.6], 0.3)
 }
 
 #[test]
@@ -224,7 +230,7 @@ fn five_percent_of_absorption_are_seen() {
     let exhibit = Exhibit::new("not quite white", front(), grey);
     for (integrator, seed) in INTEGRATORS.into_iter().zip(3080..) {
         let picture = replicates(&exhibit, integrator, seed);
-        let verdict = picture.strongest(&picture.known(1.0), RESOLUTION);
+        let verdict = picture.strongest(&picture.known(1.0), resolution(integrator));
         must_kill(integrator.name(), verdict);
     }
 }
