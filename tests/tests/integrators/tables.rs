@@ -230,6 +230,7 @@ fn slabs_reflect_and_transmit() {
                 } else {
                     &[Path]
                 },
+                replicates: 32,
                 resolution: 0.03,
                 wrong: &wrong[..usize::from(apart)],
                 ..Trial::new(
@@ -273,7 +274,11 @@ fn thick_matter_reflects_as_chandrasekhar_says() {
                 let world = sun(beam.map(|x| -x), [1.0; 3]) + &slab(40.0, case.albedo, 0.0);
                 let once = case.albedo / (4.0 * PI) / (mu + brdf.mu0) * brdf.mu0;
                 Trial {
-                    by: if i == 2 && brdf.mu0 == 1.0 { &[Path, Bdpt] } else { &[Path] },
+                    by: if i == 2 && brdf.mu0 == 1.0 {
+                        &[Path, Bdpt]
+                    } else {
+                        &[Path]
+                    },
                     replicates: 32,
                     resolution: 0.02,
                     wrong: &[

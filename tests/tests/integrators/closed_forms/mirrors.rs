@@ -143,7 +143,7 @@ fn plates_that_absorb() {
                 wrong: &wrong,
                 ..Trial::new(
                     &format!("plate {i}, {name}"),
-                    &scene(&camera, [48, 48], &(light + &body)),
+                    &scene(&camera, [32, 32], &(light + &body)),
                     [truth; 3],
                 )
             }
