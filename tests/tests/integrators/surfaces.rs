@@ -38,12 +38,12 @@ fn slabs_of_glass_reflect_and_transmit() {
             ));
         }
         for (name, light, truth, (slip, mistaken)) in trials {
-            // A bidirectional path through glass is found from the camera alone: the same light, found more slowly.
+            // Long paths from both ends have many pairs of places: thin slabs will do.
             let by = [Path, Bdpt];
-            let apart = (mistaken / truth - 1.0).abs() > 0.3;
+            let apart = (mistaken / truth - 1.0).abs() > 0.34;
             Trial {
-                by: if i % 3 == 0 { &by } else { &by[..1] },
-                replicates: if row.tau.is_none() { 24 } else { 48 },
+                by: if tau <= 2.0 { &by } else { &by[..1] },
+                replicates: 24,
                 resolution: 0.03,
                 wrong: &[(slip, [mistaken; 3])][..usize::from(apart)],
                 ..Trial::new(
@@ -77,10 +77,10 @@ fn balls_of_glass_and_balls_with_a_core() {
             by: &[Path, Bdpt, Mlt],
             truth_error: case.radiance_error / case.radiance,
             wrong: &[
-                ("5 % brighter", times(truth, 1.05)),
-                ("5 % darker", times(truth, 0.95)),
+                ("6 % brighter", times(truth, 1.06)),
+                ("6 % darker", times(truth, 0.94)),
             ],
-            resolution: 0.004,
+            resolution: 0.005,
             ..Trial::new(&format!("ball {i}"), &text, truth)
         }
         .run();
@@ -89,8 +89,8 @@ fn balls_of_glass_and_balls_with_a_core() {
 
 #[test]
 fn a_furnace_of_white_glass() {
-    // Nothing absorbs: every ray has the radiance of its surroundings, whatever surface and matter it meets. Rough glass
-    // of one reflection loses light by design and is left out.
+    // Nothing absorbs: every ray has the radiance of its surroundings, whatever surface and matter it meets. Rough
+    // glass loses light by design and is left out.
     let medium = homogeneous("m", &grey(3.0, 1.0, 0.6));
     let sphere = "Shape \"sphere\" \"float radius\" 1";
     for (name, body) in [
@@ -110,7 +110,7 @@ fn a_furnace_of_white_glass() {
         Trial {
             by: &[Path, Bdpt, Mlt],
             resolution: 0.004,
-            wrong: &[("a loss of 5 %", [0.95; 3])],
+            wrong: &[("a loss of 5 %", [0.95; 3]), ("a loss of 20 %", [0.8; 3])],
             ..Trial::new(
                 name,
                 &scene(&camera, [32, 32], &(sky(1.0) + &body)),
@@ -123,8 +123,8 @@ fn a_furnace_of_white_glass() {
 
 #[test]
 fn uniform_light_on_a_face() {
-    // A matte floor below a sheet of glass sees 1 − F for uniform light, as far as the sheet is concerned; light that the
-    // floor sends up once is cut off by the depth: face, floor, camera.
+    // A matte floor below a sheet of glass sees 1 − F for uniform light, as far as the sheet is concerned; light that it
+    // sends up is cut off by the depth: face and floor.
     for row in surfaces::load()
         .diffuse_average
         .iter()
@@ -132,17 +132,18 @@ fn uniform_light_on_a_face() {
     {
         let face = made_of(&glass(row.n), &level(1.0, 1e4, true));
         let floor = made_of(&matte([0.8; 3]), &level(0.0, 0.5, true));
+        let under = made_of(&black(), &level(-0.1, 1e4, true));
         let camera = ray_to([0.0; 3], [-0.8, 0.0, -0.6], 0.5);
-        let text = scene(&camera, [32, 32], &(sky(1.0) + &face + &floor));
+        let text = scene(&camera, [32, 32], &(sky(1.0) + &face + &floor + &under));
         // Within, radiance is n² times what came, in a cone of all that comes: (1 − F_external) π / n² · n².
         let inside = (1.0 - row.external) * 0.8;
         Trial {
             by: &[Path, Bdpt],
             depth: Some(2),
-            wrong: &[
-                ("radiance not scaled", [inside / (row.n * row.n); 3]),
-                ("no reflection", [0.8; 3]),
-            ][..1],
+            wrong: &[(
+                "radiance that refraction does not change",
+                [inside / (row.n * row.n); 3],
+            )],
             ..Trial::new(&format!("under a face of {}", row.n), &text, [inside; 3])
         }
         .run();

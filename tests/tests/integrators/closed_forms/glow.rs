@@ -44,7 +44,7 @@ fn rays_through_matter_that_shines() {
                     "emission not absorbed",
                     std::array::from_fn(|i| 2.0 * GLOW[i] * SIGMA[i]),
                 ),
-                ("5 % more matter", glow(2.0 * 1.05)),
+                ("25 % more matter", glow(2.0 * 1.25)),
             ],
             ..Trial::new(name, &text, glow(2.0))
         }
@@ -119,10 +119,10 @@ fn a_floor_lit_by_a_ball_of_fire() {
         Trial {
             by: &LIT,
             depth: Some(1),
-            replicates: 128,
+            replicates: 256,
             wrong: &[
                 ("the cosine forgotten", times(truth, 1.0 / cos)),
-                ("10 % more matter", irradiance(1.1)),
+                ("40 % more matter", irradiance(1.4)),
             ],
             ..Trial::new(name, &text, truth)
         }

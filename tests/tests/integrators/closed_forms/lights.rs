@@ -108,6 +108,7 @@ fn lamps_over_a_floor() {
             by: &LIT,
             depth: Some(1),
             replicates: 128,
+            resolution: 0.004,
             wrong: &[
                 ("the cosine forgotten", reflected(without_cosine)),
                 ("5 % more light", times(truth, 1.05)),
@@ -137,6 +138,7 @@ fn a_floor_under_skies() {
             by: &LIT,
             depth: Some(1),
             replicates: 96,
+            resolution: 0.003,
             wrong: &[("4 % more light", times(truth, 1.04))],
             ..Trial::new(name, &scene(&camera, [32, 32], &world), truth)
         }

@@ -131,7 +131,7 @@ fn plates_that_absorb() {
             ("R + T", sky(1.0), both, 1.0),
         ] {
             let mut wrong = Vec::new();
-            if (mistaken / truth - 1.0).abs() > 0.03 {
+            if (mistaken / truth - 1.0).abs() > if name == "R" { 0.44 } else { 0.055 } {
                 wrong.push(("faces that do not reflect", [mistaken; 3]));
             }
             if name == "T" && row.mu0 < 1.0 {
@@ -139,11 +139,11 @@ fn plates_that_absorb() {
             }
             Trial {
                 by: &[Path, Bdpt, Mlt],
-                resolution: if name == "R" { 0.05 } else { 0.005 },
+                resolution: if name == "R" { 0.04 } else { 0.005 },
                 wrong: &wrong,
                 ..Trial::new(
                     &format!("plate {i}, {name}"),
-                    &scene(&camera, [48, 48], &(light + &body)),
+                    &scene(&camera, [32, 32], &(light + &body)),
                     [truth; 3],
                 )
             }
@@ -201,6 +201,7 @@ fn sunlight_through_a_pane() {
     Trial {
         by: &[Bdpt, Mlt],
         depth: Some(4),
+        replicates: 96,
         resolution: 0.015,
         wrong: &[
             ("the cosine forgotten", [truth / row.mu0; 3]),
