@@ -152,11 +152,19 @@ fn compare(stage: &Stage) -> Result<(), Box<dyn Error>> {
             .find(|((way, _), _)| *way == wanted)
             .map_or(f64::NAN, |((_, row), quality)| quality.error * row.seconds)
     };
+    let others: Vec<String> = WAYS
+        .into_iter()
+        .filter(|way| *way != stage.favours)
+        .map(|way| {
+            let ratio = efficiency(way) / efficiency(stage.favours);
+            format!("{} {ratio:.1} times", way.name())
+        })
+        .collect();
     println!(
-        "{:<9} path tracing takes {:.1} times as long as {} for the same error",
+        "{:<9} for the error of {}: {} the time",
         stage.name,
-        efficiency(Integrator::Path) / efficiency(stage.favours),
         stage.favours.name(),
+        others.join(", "),
     );
     Ok(())
 }
