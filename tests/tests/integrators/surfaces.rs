@@ -43,7 +43,7 @@ fn slabs_of_glass_reflect_and_transmit() {
             let apart = (mistaken / truth - 1.0).abs() > 0.34;
             Trial {
                 by: if tau <= 2.0 { &by } else { &by[..1] },
-                replicates: 24,
+                replicates: if tau > 4.0 { 12 } else { 24 },
                 resolution: 0.03,
                 wrong: &[(slip, [mistaken; 3])][..usize::from(apart)],
                 ..Trial::new(
