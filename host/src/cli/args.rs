@@ -15,7 +15,7 @@ use std::time::Duration;
 #[derive(Clone, Debug, PartialEq)]
 pub enum Command {
     /// `woodcock render`, also `woodcock` alone.
-    Render(RenderArgs),
+    Render(Box<RenderArgs>),
     /// `woodcock explain`.
     Explain(ExplainArgs),
     /// `woodcock info`.
@@ -42,7 +42,7 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Sub {
     /// Render a scene
-    Render(RenderArgs),
+    Render(Box<RenderArgs>),
     /// Say what a scene needs, what is skipped, and which kernel runs
     Explain(ExplainArgs),
     /// Describe a .vdb, .nvdb, .vol or .exr file
@@ -248,7 +248,7 @@ pub fn parse(args: impl IntoIterator<Item = OsString>) -> Result<Command, clap::
     let cli = Cli::try_parse_from(args)?;
     match cli.command {
         None => render(cli.render),
-        Some(Sub::Render(args)) => render(args),
+        Some(Sub::Render(args)) => render(*args),
         Some(Sub::Explain(args)) => Ok(Command::Explain(args)),
         Some(Sub::Info(args)) => Ok(Command::Info(args)),
         Some(Sub::Compare(_)) => Err(not_yet("compare")),
@@ -265,7 +265,7 @@ fn render(args: RenderArgs) -> Result<Command, clap::Error> {
     if let Err(error) = crate::output::OutputFile::images(&args.outputs) {
         return Err(Cli::command().error(ErrorKind::ValueValidation, error.to_string()));
     }
-    Ok(Command::Render(args))
+    Ok(Command::Render(Box::new(args)))
 }
 
 fn not_yet(what: &str) -> clap::Error {

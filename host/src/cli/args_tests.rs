@@ -1,6 +1,6 @@
 //! Tests of [`super::args`].
 
-use super::args::{Command, ExplainArgs, InfoArgs, Kernel, RenderArgs, Transmittance, parse};
+use super::args::{Aov, Command, ExplainArgs, InfoArgs, Kernel, RenderArgs, Transmittance, parse};
 use super::values::Replay;
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -16,7 +16,7 @@ fn command(line: &str) -> Result<Command, clap::Error> {
 
 fn render(line: &str) -> RenderArgs {
     match command(line) {
-        Ok(Command::Render(args)) => args,
+        Ok(Command::Render(args)) => *args,
         other => panic!("{line}: {other:?}"),
     }
 }

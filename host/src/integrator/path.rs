@@ -224,17 +224,17 @@ fn follow<D: Draws>(
         }
         score.scatter();
         let from = -ray.direction;
-        if !site.is_specular() {
-            if let Some(lit) = next_event::sample(tracer, &site, from, draws) {
-                let found = site.pdf(world, from, lit.direction, Transport::Radiance) * lit.flown;
-                let near = match (&found_by_flight, &lit.source) {
-                    (Some(found), Source::Lamp(lamp)) => found.ratio(world, lamp.light) * lamp.pdf,
-                    _ => 0.0,
-                };
-                let share = lit.pdf / (lit.pdf + found + near);
-                let first = score.first();
-                score.add(throughput * lit.radiance * share, first);
-            }
+        if !site.is_specular()
+            && let Some(lit) = next_event::sample(tracer, &site, from, draws)
+        {
+            let found = site.pdf(world, from, lit.direction, Transport::Radiance) * lit.flown;
+            let near = match (&found_by_flight, &lit.source) {
+                (Some(found), Source::Lamp(lamp)) => found.ratio(world, lamp.light) * lamp.pdf,
+                _ => 0.0,
+            };
+            let share = lit.pdf / (lit.pdf + found + near);
+            let first = score.first();
+            score.add(throughput * lit.radiance * share, first);
         }
         let Some(onward) = site.sample(world, from, Transport::Radiance, draws) else {
             break;

@@ -39,6 +39,14 @@ pub(crate) struct Workspace {
     weigher: Weigher,
 }
 
+/// A segment from x₁ to the light.
+#[derive(Clone, Copy, Debug)]
+struct Leg {
+    direction: DVec3,
+    distance_squared: f64,
+    passage: f64,
+}
+
 /// Room for weights.
 #[derive(Debug, Default)]
 struct Weigher {
@@ -74,10 +82,13 @@ impl Weigher {
         end: &LightEnd,
         vertex: &Vertex,
         from: &Vertex,
-        direction: DVec3,
-        distance_squared: f64,
-        passage: f64,
+        leg: &Leg,
     ) {
+        let &Leg {
+            direction,
+            distance_squared,
+            passage,
+        } = leg;
         let densities = &mut self.densities;
         let (emitted, towards) = end.emission(world, -direction);
         densities.emitted = emitted;
@@ -115,8 +126,12 @@ impl Weigher {
         if let Some(first) = self.densities.camera.first_mut() {
             *first = light.own;
         }
-        let (squared, passage) = (light.distance_squared, light.passage);
-        self.enter_light(world, end, light, last, -light.from, squared, passage);
+        let leg = Leg {
+            direction: -light.from,
+            distance_squared: light.distance_squared,
+            passage: light.passage,
+        };
+        self.enter_light(world, end, light, last, &leg);
         self.weight(0, settings)
     }
 }
@@ -179,7 +194,7 @@ pub(crate) fn trace<D: Draws>(
     }
     for s in 2..=join.light.len() {
         draws.vertex(Subpath::Join, join_number(s, 1));
-        splats.extend(join.to_camera(tracer, s, draws));
+        splats.extend(join.reach_camera(tracer, s, draws));
         for t in 2..=join.eye.len() {
             if scatterings(s, t) > settings.max_depth {
                 break;
@@ -457,13 +472,17 @@ impl Join<'_> {
             light.arrival(forth, direction, squared, lit.passage)
         };
         leads_back(densities, 2, last, eye, back);
-        self.weigher
-            .enter_light(world, &end, &light, last, direction, squared, lit.passage);
+        let leg = Leg {
+            direction,
+            distance_squared: squared,
+            passage: lit.passage,
+        };
+        self.weigher.enter_light(world, &end, &light, last, &leg);
         last.throughput * lit.radiance * self.weigher.weight(1, self.settings)
     }
 
     /// The first `s` vertices of the light path with the camera (t = 1).
-    fn to_camera<D: Draws>(
+    fn reach_camera<D: Draws>(
         &mut self,
         tracer: &mut Tracer<'_>,
         s: usize,
