@@ -1,9 +1,9 @@
 //! Reference tables of media without surfaces, through the scalar integrators.
 //!
-//! A slab is a block of 1 × 400 × 400. What reaches its rim and comes back is left out of the tables: a flight of 100
-//! lengths, half of that way, takes part with e^−100 τ / √… of all light at most, below 5·10⁻⁵ for the thinnest slab
-//! here (τ = 0.1), and light that scatters often walks no further than a few thicknesses. Half of the environment is a
-//! square of half edge 10⁴ at a distance of 10, all but 10⁻⁶ of a hemisphere's irradiance.
+//! A slab is a block of 1 × 400 × 400, seen in its middle. The tables' slabs have no rim, which is 200 lengths off: of a
+//! flight of 100 lengths, half of that way, e^−100 τ is left, 5·10⁻⁵ for the thinnest slab here (τ = 0.1), and light that
+//! scatters often walks no further than a few thicknesses. Half of the environment is a square of half edge 10⁴ at a
+//! distance of 10: all but 10⁻⁶ of a hemisphere's irradiance.
 
 use crate::closed_forms::measure::*;
 use std::f64::consts::PI;

@@ -50,7 +50,6 @@ fn the_profile_of_a_spot() {
             by: &LIT,
             depth: Some(1),
             resolution: 1e-3,
-            // Only the mean over a chain is random here.
             wrong: &wrong,
             ..Trial::new(name, &text, truth)
         }
