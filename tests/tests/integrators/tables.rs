@@ -73,7 +73,7 @@ fn airlight_of_points() {
             } => {
                 let world = point_of_power_one(light) + &gaussian_grid(c, s, peak, albedo, case.g);
                 // Ripples of the grid, and what lies beyond it.
-                (scene(&camera, [32, 32], &world), 96, 5e-4)
+                (scene(&camera, [32, 32], &world), 160, 5e-4)
             }
             Setting::DirectionalOnSphere { .. } => continue,
         };

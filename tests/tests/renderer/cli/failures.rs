@@ -157,8 +157,42 @@ fn usage_errors_exit_with_two() {
             &["kernel", "packet"],
         ),
         (
-            &["render", "s.pbrt", "--integrator", "mlt"],
-            &["not yet supported"],
+            &["render", "s.pbrt", "--integrator", "march"],
+            &["path, bdpt, mlt, single, transmittance"],
+        ),
+        (
+            &["render", "s.pbrt", "--integrator", "mlt", "--aov", "depth"],
+            &["--aov", "mlt"],
+        ),
+        (
+            &[
+                "render",
+                "s.pbrt",
+                "--integrator",
+                "bdpt",
+                "--aov",
+                "matter",
+            ],
+            &["--aov", "path, single and transmittance"],
+        ),
+        (
+            &["render", "s.pbrt", "--integrator", "mlt", "--split", "4"],
+            &["--split", "path and single"],
+        ),
+        (
+            &["render", "s.pbrt", "--connection-bound", "4"],
+            &["--connection-bound", "bdpt and mlt"],
+        ),
+        (
+            &[
+                "render",
+                "s.pbrt",
+                "--transmittance",
+                "delta",
+                "--split",
+                "2",
+            ],
+            &["--transmittance delta"],
         ),
         (
             &[
