@@ -26,6 +26,7 @@ pub(crate) struct Crossing {
 
 impl Shear {
     /// * `direction`: of any length but zero.
+    #[inline]
     pub(crate) fn new(direction: DVec3) -> Self {
         let size = direction.abs();
         let kz = if size.x > size.y && size.x > size.z {
@@ -42,6 +43,7 @@ impl Shear {
     }
 
     /// Watertight: edges are judged by signs that two triangles sharing them agree on, and an edge belongs to both.
+    #[inline]
     pub(crate) fn cross(&self, corners: &[DVec3; 3], origin: DVec3) -> Option<Crossing> {
         let [kx, ky, kz] = self.axes;
         let sheared = corners.map(|corner| {

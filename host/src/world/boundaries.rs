@@ -23,6 +23,7 @@ use woodcock_core::real::{Mask, Real, Word};
 
 use super::crossing::{Crossing, Surface, cross, inside};
 use super::medium::Support;
+use crate::line::Shear;
 use crate::scene;
 
 /// Which media a boundary has on its sides; indices of assembled media.
@@ -249,12 +250,20 @@ impl Boundaries {
         let Some(bvh) = &self.bvh else {
             return crossings;
         };
+        let shear = Shear::new(direction);
         let vec = |v: DVec3| Vec3A::new(v.x as f32, v.y as f32, v.z as f32);
         bvh.ray_traverse_anyhit(BvhRay::new_inf(vec(origin), vec(direction)), |_, place| {
             let surface = bvh.primitive_indices.get(place);
             if let Some((surface, boundary)) = surface.and_then(|&i| self.surfaces.get(i as usize))
             {
-                cross(surface, *boundary, origin, direction, &mut crossings);
+                cross(
+                    surface,
+                    *boundary,
+                    origin,
+                    direction,
+                    &shear,
+                    &mut crossings,
+                );
             }
         });
         crossings.sort_by(|a, b| {

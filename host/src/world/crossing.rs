@@ -54,11 +54,12 @@ pub(super) fn cross(
     boundary: usize,
     origin: DVec3,
     direction: DVec3,
+    shear: &Shear,
     crossings: &mut Vec<Crossing>,
 ) {
     match surface {
         Surface::Triangle(corners) => {
-            if let Some((t, enters)) = cross_triangle(corners, origin, direction) {
+            if let Some((t, enters)) = cross_triangle(corners, origin, direction, shear) {
                 crossings.push(Crossing {
                     t,
                     boundary,
@@ -86,12 +87,16 @@ pub(super) fn cross(
 }
 
 /// Where a ray crosses a triangle, and whether it does so against the normal.
+///
+/// * `shear`: that of the direction, for it serves all triangles of a ray.
+#[inline]
 pub(super) fn cross_triangle(
     corners: &[DVec3; 3],
     origin: DVec3,
     direction: DVec3,
+    shear: &Shear,
 ) -> Option<(f64, bool)> {
-    let t = Shear::new(direction).cross(corners, origin)?.t;
+    let t = shear.cross(corners, origin)?.t;
     let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
     (t > 0.0 && t.is_finite()).then(|| (t, normal.dot(direction) < 0.0))
 }
@@ -143,6 +148,7 @@ mod tests {
                         0,
                         origin,
                         direction,
+                        &Shear::new(direction),
                         &mut crossings,
                     );
                 }
