@@ -314,7 +314,7 @@ pub(crate) fn over_tiles(
 }
 
 /// The path of a pixel's sample.
-fn request(world: &World, seed: u64, x: u32, y: u32, sample: u32) -> PathRequest {
+pub(crate) fn request(world: &World, seed: u64, x: u32, y: u32, sample: u32) -> PathRequest {
     let pixel = y.wrapping_mul(world.resolution[0]).wrapping_add(x);
     PathRequest {
         x,

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use woodcock_core::path::{Counts, PathSample};
-use woodcock_core::stream::{Key, PathStream};
+use woodcock_core::stream::PathStream;
 
 use super::bdpt::{self, Splat, Workspace};
 use super::canvas::Canvas;
@@ -201,11 +201,7 @@ fn harvest(world: &World, plan: &Plan, tile: &Tile, index: u32) -> Harvest {
 
 /// The random numbers of a pixel's sample.
 pub(super) fn stream(world: &World, plan: &Plan, [x, y]: [u32; 2], sample: u32) -> PathStream {
-    PathStream::new(Key {
-        seed: plan.seed,
-        pixel: y.wrapping_mul(world.resolution[0]).wrapping_add(x),
-        sample,
-    })
+    PathStream::new(crate::render::request(world, plan.seed, x, y, sample).key)
 }
 
 fn render_tile(world: &World, plan: &Plan, tile: &mut Tile, samples: Range<u32>) -> Counts {
