@@ -95,11 +95,7 @@ impl Weigher {
         densities.next_event = end.next_event(world, vertex, from, direction, distance_squared);
         densities.delta = end.delta;
         if let Some(second) = densities.light.get_mut(1) {
-            *second = if end.infinite {
-                towards * from.across(direction) * passage
-            } else {
-                from.arrival(towards, direction, distance_squared, passage)
-            };
+            *second = from.reached(towards, end.infinite, direction, distance_squared, passage);
         }
     }
 
@@ -305,11 +301,7 @@ impl Passing<'_, '_> {
             ..end.vertex(0.0)
         };
         let parallel = self.eye.len() == 1 && camera::is_parallel(self.found.world);
-        vertex.own = if parallel {
-            self.pdf * vertex.across(from) * passage
-        } else {
-            vertex.arrival(self.pdf, from, t * t, passage)
-        };
+        vertex.own = vertex.reached(self.pdf, parallel, from, t * t, passage);
         vertex
     }
 }

@@ -80,6 +80,22 @@ impl Vertex {
         pdf * self.across(direction) * passage / distance_squared
     }
 
+    /// The same, or where `parallel` light of density `pdf` per area across leads here, which no distance dilutes.
+    pub(super) fn reached(
+        &self,
+        pdf: f64,
+        parallel: bool,
+        direction: DVec3,
+        distance_squared: f64,
+        passage: f64,
+    ) -> f64 {
+        if parallel {
+            pdf * self.across(direction) * passage
+        } else {
+            self.arrival(pdf, direction, distance_squared, passage)
+        }
+    }
+
     /// What turns a density per area that faces `direction` into this vertex's own measure.
     pub(super) fn across(&self, direction: DVec3) -> f64 {
         let normal = self.anchor.normal;
@@ -172,11 +188,7 @@ pub(super) fn grow<D: Draws>(
             end: end_density(&flight.end),
             ..Vertex::end(site.anchor, 0.0, false)
         };
-        vertex.own = if parallel {
-            pdf * vertex.across(from) * flight.passage
-        } else {
-            vertex.arrival(pdf, from, t * t, flight.passage)
-        };
+        vertex.own = vertex.reached(pdf, parallel, from, t * t, flight.passage);
         vertices.push(vertex);
         match &flight.end {
             // Light is met before anything scatters.
