@@ -3,8 +3,8 @@
 use std::ops::Range;
 
 use woodcock_core::path::{
-    Atlas, Counts, Geometry, OneGrid, OneHomogeneous, PathMedium, PathSample, RecordKind, Scene,
-    Settings, ShadowEstimator,
+    Atlas, Counts, Geometry, OneGrid, OneHomogeneous, PathSample, RecordKind, Scene, Settings,
+    ShadowEstimator, Tapped,
 };
 use woodcock_core::stream::Key;
 use woodcock_packet::lanes::Lanes;
@@ -96,7 +96,7 @@ trait Job {
         scene: &Scene<'_, M, G>,
     ) -> Self::Output
     where
-        M: PathMedium<f32> + PathMedium<Lanes> + Sync,
+        M: Tapped<f32> + Tapped<Lanes> + Sync,
         G: Geometry<f32> + Geometry<Lanes> + Sync + ?Sized;
 }
 
@@ -222,7 +222,7 @@ fn pick<M, J: Job>(
     job: J,
 ) -> J::Output
 where
-    M: PathMedium<f32> + PathMedium<Lanes> + Sync,
+    M: Tapped<f32> + Tapped<Lanes> + Sync,
 {
     let scene = Scene {
         medium,
@@ -254,7 +254,7 @@ impl Job for Pass<'_> {
         scene: &Scene<'_, M, G>,
     ) -> Counts
     where
-        M: PathMedium<f32> + PathMedium<Lanes> + Sync,
+        M: Tapped<f32> + Tapped<Lanes> + Sync,
         G: Geometry<f32> + Geometry<Lanes> + Sync + ?Sized,
     {
         let tile = |tile: &mut Tile| {
@@ -335,7 +335,7 @@ fn trace_tile<M, G, const CHROMATIC: bool, const RAYLEIGH: bool>(
     tile: &mut Tile,
 ) -> Counts
 where
-    M: PathMedium<f32> + PathMedium<Lanes>,
+    M: Tapped<f32> + Tapped<Lanes>,
     G: Geometry<f32> + Geometry<Lanes> + ?Sized,
 {
     let window = tile.window();
@@ -411,7 +411,7 @@ impl Job for Replay {
         scene: &Scene<'_, M, G>,
     ) -> Self::Output
     where
-        M: PathMedium<f32> + PathMedium<Lanes> + Sync,
+        M: Tapped<f32> + Tapped<Lanes> + Sync,
         G: Geometry<f32> + Geometry<Lanes> + Sync + ?Sized,
     {
         let mut counts = Counts::default();

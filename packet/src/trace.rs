@@ -1,6 +1,6 @@
 //! Whole paths, eight at a time.
 
-use woodcock_core::path::{Counts, Geometry, PathMedium, PathSample, Paths, Scene, Stage};
+use woodcock_core::path::{Counts, Geometry, PathSample, Paths, Scene, Stage, Tapped};
 use woodcock_core::real::{Mask, Real};
 use woodcock_core::stream::{Key, KeyedStream};
 
@@ -32,7 +32,7 @@ pub fn trace<M, G, const CHROMATIC: bool, const ANY_RAYLEIGH: bool>(
     mut land: impl FnMut(usize, PathSample),
 ) -> Counts
 where
-    M: PathMedium<Lanes>,
+    M: Tapped<Lanes>,
     G: Geometry<Lanes> + ?Sized,
 {
     let mut paths =
@@ -94,7 +94,7 @@ pub fn trace_scalar<M, G, const CHROMATIC: bool, const ANY_RAYLEIGH: bool>(
     counts: &mut Counts,
 ) -> PathSample
 where
-    M: PathMedium<f32>,
+    M: Tapped<f32>,
     G: Geometry<f32> + ?Sized,
 {
     use woodcock_core::stream::PathStream;

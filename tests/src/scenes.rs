@@ -8,8 +8,8 @@ use woodcock_core::camera::{Camera, Projection};
 use woodcock_core::light::{Distant, Lights};
 use woodcock_core::medium::Affine;
 use woodcock_core::path::{
-    Atlas, Convex, Geometry, MediumRecord, OneGrid, OneHomogeneous, PathMedium, RecordKind, Scene,
-    Settings, ShadowEstimator, Stretch,
+    Atlas, Convex, Geometry, MediumRecord, OneGrid, OneHomogeneous, RecordKind, Scene, Settings,
+    ShadowEstimator, Stretch, Tapped,
 };
 use woodcock_core::ray::{Interval, Ray};
 use woodcock_core::real::{Mask, Real, Word};
@@ -26,7 +26,7 @@ pub trait Visitor {
         name: &str,
         scene: &Scene<'_, M, G>,
     ) where
-        M: PathMedium<f32> + PathMedium<Lanes>,
+        M: Tapped<f32> + Tapped<Lanes>,
         G: Geometry<f32> + Geometry<Lanes>;
 }
 

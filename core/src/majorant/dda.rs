@@ -238,7 +238,13 @@ impl<R: Real> GridWalk<R> {
     /// decision that compares it with a uniform number has exactly the same probability.
     #[inline(always)]
     pub fn sigma_t(&self, samples: &[f32], t: R, rng: &mut impl Stream<R>, active: R::Mask) -> R {
-        R::gather(samples, self.tap(t, rng, active)) * self.layout.scale
+        self.value(samples, self.tap(t, rng, active))
+    }
+
+    /// The extinction that a [tap](Self::tap) stands for [1/length].
+    #[inline(always)]
+    pub fn value(&self, samples: &[f32], tap: R::Word) -> R {
+        R::gather(samples, tap) * self.layout.scale
     }
 
     /// The index of one of the eight samples around the place at distance `t`, picked with its

@@ -13,6 +13,8 @@ pub struct Counts {
     pub null_collisions: u64,
     /// Look-ups of samples.
     pub lookups: u64,
+    /// Look-ups of exact samples, where bounds had not decided.
+    pub exact_lookups: u64,
     /// Majorant segments walked.
     pub majorant_cells: u64,
     /// Tentative collisions whose extinction exceeded the bound: always zero unless a bound is wrong.
@@ -31,6 +33,7 @@ impl Counts {
         self.real_collisions += other.real_collisions;
         self.null_collisions += other.null_collisions;
         self.lookups += other.lookups;
+        self.exact_lookups += other.exact_lookups;
         self.majorant_cells += other.majorant_cells;
         self.majorant_violations += other.majorant_violations;
         self.steps += other.steps;

@@ -3,6 +3,7 @@
 //! A scene with one medium has its parameters as constants ([`OneHomogeneous`], [`OneGrid`]); a scene
 //! with several keeps them in a table, and each lane walks its own ([`Atlas`]).
 
+use crate::free_flight::delta::is_real;
 use crate::majorant::{GridLayout, GridWalk, MajorantGrid, Segment};
 use crate::medium::{Affine, IDENTITY, Medium, transform_ray};
 use crate::phase::Phase;
@@ -28,6 +29,48 @@ pub trait PathMedium<R: Real>: Medium<R> {
     fn enter(&self, walk: &mut Self::Walk, ray: &Ray<R>, id: R::Word, active: R::Mask);
     /// How the medium of each lane scatters.
     fn optics(&self, walk: &Self::Walk) -> Optics<R>;
+}
+
+/// A medium of packets: the extinction at a place is that of one sample of a table, picked at random.
+pub trait Tapped<R: Real>: PathMedium<R> + Sized {
+    /// Which sample stands for the place at distance `t` of the present segment: all that is asked of a tentative
+    /// collision is asked of it.
+    fn tap(&self, walk: &Self::Walk, t: R, rng: &mut impl Stream<R>, active: R::Mask) -> R::Word;
+
+    /// The extinction of a tap [1/length].
+    fn value(&self, walk: &Self::Walk, tap: R::Word, active: R::Mask) -> R;
+
+    /// Whether tentative collisions are real, where extinction is grey. A medium that can tell without the exact
+    /// value decides here, and decides alike.
+    ///
+    /// * `majorant`: of the present segment, per lane [1/length].
+    #[inline(always)]
+    fn decide(
+        &self,
+        walk: &Self::Walk,
+        tap: R::Word,
+        majorant: R,
+        rng: &mut impl Stream<R>,
+        active: R::Mask,
+    ) -> Decided<R> {
+        let sigma_t = self.value(walk, tap, active);
+        Decided {
+            real: is_real::<R, Self>(sigma_t, majorant, rng, active),
+            violated: majorant.lt(sigma_t) & active,
+            exact: active,
+        }
+    }
+}
+
+/// What became of tentative collisions, per lane.
+#[derive(Clone, Copy, Debug)]
+pub struct Decided<R: Real> {
+    /// Collisions with matter.
+    pub real: R::Mask,
+    /// The extinction was seen to exceed its bound.
+    pub violated: R::Mask,
+    /// The exact value was looked up.
+    pub exact: R::Mask,
 }
 
 /// What a record describes.
@@ -244,6 +287,17 @@ impl<R: Real> PathMedium<R> for OneHomogeneous {
     }
 }
 
+impl<R: Real> Tapped<R> for OneHomogeneous {
+    #[inline(always)]
+    fn tap(&self, _: &(), _: R, _: &mut impl Stream<R>, _: R::Mask) -> R::Word {
+        R::Word::splat(0)
+    }
+    #[inline(always)]
+    fn value(&self, _: &(), _: R::Word, _: R::Mask) -> R {
+        constant::<R>(&self.words).real::<R>(SCALE)
+    }
+}
+
 /// The only medium of a scene, on a grid.
 #[derive(Clone, Copy, Debug)]
 pub struct OneGrid<'a> {
@@ -304,6 +358,17 @@ impl<R: Real> PathMedium<R> for OneGrid<'_> {
     #[inline(always)]
     fn optics(&self, _: &GridWalk<R>) -> Optics<R> {
         constant::<R>(&self.words).optics::<R>()
+    }
+}
+
+impl<R: Real> Tapped<R> for OneGrid<'_> {
+    #[inline(always)]
+    fn tap(&self, walk: &GridWalk<R>, t: R, rng: &mut impl Stream<R>, active: R::Mask) -> R::Word {
+        walk.tap(t, rng, active)
+    }
+    #[inline(always)]
+    fn value(&self, walk: &GridWalk<R>, tap: R::Word, _: R::Mask) -> R {
+        walk.value(self.samples, tap)
     }
 }
 
@@ -368,13 +433,8 @@ impl<R: Real> Medium<R> for Atlas<'_> {
     }
     #[inline(always)]
     fn sigma_t(&self, walk: &AtlasWalk<R>, t: R, rng: &mut impl Stream<R>, active: R::Mask) -> R {
-        let on_grid = active & walk.is_grid;
-        if on_grid.any() {
-            let grid = walk.grid.sigma_t(self.samples, t, rng, on_grid);
-            R::select(walk.is_grid, grid, walk.scale)
-        } else {
-            walk.scale
-        }
+        let tap = self.tap(walk, t, rng, active);
+        self.value(walk, tap, active)
     }
 }
 
@@ -396,5 +456,26 @@ impl<R: Real> PathMedium<R> for Atlas<'_> {
     #[inline(always)]
     fn optics(&self, walk: &AtlasWalk<R>) -> Optics<R> {
         self.fields::<R>(walk.id).optics::<R>()
+    }
+}
+
+impl<R: Real> Tapped<R> for Atlas<'_> {
+    #[inline(always)]
+    fn tap(&self, walk: &AtlasWalk<R>, t: R, rng: &mut impl Stream<R>, active: R::Mask) -> R::Word {
+        let on_grid = active & walk.is_grid;
+        if on_grid.any() {
+            walk.grid.tap(t, rng, on_grid)
+        } else {
+            R::Word::splat(0)
+        }
+    }
+    #[inline(always)]
+    fn value(&self, walk: &AtlasWalk<R>, tap: R::Word, active: R::Mask) -> R {
+        if (active & walk.is_grid).any() {
+            let grid = walk.grid.value(self.samples, tap);
+            R::select(walk.is_grid, grid, walk.scale)
+        } else {
+            walk.scale
+        }
     }
 }

@@ -29,7 +29,8 @@ mod state;
 pub use counts::Counts;
 pub use geometry::{Convex, Geometry, Stretch};
 pub use media::{
-    Atlas, MediumRecord, OneGrid, OneHomogeneous, Optics, PathMedium, RECORD_WORDS, RecordKind,
+    Atlas, Decided, MediumRecord, OneGrid, OneHomogeneous, Optics, PathMedium, RECORD_WORDS,
+    RecordKind, Tapped,
 };
 pub use state::{Paths, Stage};
 

@@ -1,9 +1,8 @@
 //! The paths of all lanes, and the steps that move them from stage to stage.
 
 use crate::collision;
-use crate::free_flight::delta::is_real;
 use crate::majorant::Tracker;
-use crate::path::{Counts, Geometry, Optics, PathMedium, PathSample, Scene, ShadowEstimator};
+use crate::path::{Counts, Geometry, Optics, PathSample, Scene, ShadowEstimator, Tapped};
 use crate::phase::Phase;
 use crate::ray::{FAR, Ray};
 use crate::real::{Mask, Real, Word};
@@ -81,7 +80,7 @@ where
     S: KeyedStream<R>,
 {
     /// No path in any lane.
-    pub fn idle<M: PathMedium<R, Walk = W>>(medium: &M) -> Self {
+    pub fn idle<M: Tapped<R, Walk = W>>(medium: &M) -> Self {
         let zero = Vec3::uniform(0.0);
         let none = R::Mask::splat(false);
         Self {
@@ -201,7 +200,7 @@ where
     #[inline(always)]
     pub fn enter<M, G>(&mut self, scene: &Scene<'_, M, G>)
     where
-        M: PathMedium<R, Walk = W>,
+        M: Tapped<R, Walk = W>,
         G: Geometry<R> + ?Sized,
     {
         self.count_step();
@@ -242,7 +241,7 @@ where
 
     /// Shadow rays through a stretch whose transmittance has a closed form.
     #[inline(always)]
-    fn attenuate<M: PathMedium<R, Walk = W>>(&mut self, medium: &M, length: R, lanes: R::Mask) {
+    fn attenuate<M: Tapped<R, Walk = W>>(&mut self, medium: &M, length: R, lanes: R::Mask) {
         let sigma_t = medium.segment(&self.tracker.walk).majorant;
         let through = |sigma_t| transmittance::analytic::through(sigma_t, length);
         let factor = if CHROMATIC {
@@ -284,7 +283,7 @@ where
 
     /// Moves all lanes at [`Stage::Track`] to their next tentative collision or segment.
     #[inline(always)]
-    pub fn track<M: PathMedium<R, Walk = W>, G: ?Sized>(&mut self, scene: &Scene<'_, M, G>) {
+    pub fn track<M: Tapped<R, Walk = W>, G: ?Sized>(&mut self, scene: &Scene<'_, M, G>) {
         self.count_step();
         let lanes = self.at(Stage::Track);
         self.counts.majorant_cells += u64::from(lanes.count());
@@ -298,25 +297,30 @@ where
     #[inline(always)]
     pub fn collide<M, G>(&mut self, scene: &Scene<'_, M, G>)
     where
-        M: PathMedium<R, Walk = W>,
+        M: Tapped<R, Walk = W>,
         G: Geometry<R> + ?Sized,
     {
         self.count_step();
         let lanes = self.at(Stage::Collide);
         let t = self.tracker.t();
         let majorant = self.tracker.majorant(scene.medium);
-        let sigma_t = scene
-            .medium
-            .sigma_t(&self.tracker.walk, t, &mut self.stream, lanes);
         let flight = lanes.and_not(self.shadow);
         let shadow = lanes & self.shadow;
         let number = u64::from(lanes.count());
         self.counts.tentative_collisions += number;
         self.counts.lookups += if M::TIGHT { 0 } else { number };
-        self.counts.majorant_violations += u64::from((majorant.lt(sigma_t) & lanes).count());
-
+        let tap = scene
+            .medium
+            .tap(&self.tracker.walk, t, &mut self.stream, lanes);
+        let valued = if CHROMATIC { lanes } else { shadow };
+        let mut sigma_t = majorant;
+        if valued.any() {
+            sigma_t = scene.medium.value(&self.tracker.walk, tap, valued);
+            self.count_exact::<M>(valued, majorant.lt(sigma_t) & valued);
+        }
         let mut real = R::Mask::splat(false);
         if flight.any() {
+            let rng = &mut self.stream;
             real = if CHROMATIC {
                 let optics = scene.medium.optics(&self.tracker.walk);
                 let event = Tentative {
@@ -325,12 +329,14 @@ where
                     colour: optics.colour.into(),
                 };
                 let weight = self.throughput.into();
-                let (real, weight) =
-                    history_aware::decide(&event, weight, &mut self.stream, flight);
+                let (real, weight) = history_aware::decide(&event, weight, rng, flight);
                 self.throughput = weight.into();
                 real
             } else {
-                is_real::<R, M>(sigma_t, majorant, &mut self.stream, flight)
+                let walk = &self.tracker.walk;
+                let decided = scene.medium.decide(walk, tap, majorant, rng, flight);
+                self.count_exact::<M>(decided.exact, decided.violated);
+                decided.real
             };
             let reals = u64::from(real.count());
             self.counts.real_collisions += reals;
@@ -352,11 +358,19 @@ where
         self.go(onward, Stage::Collide, Stage::Track);
     }
 
+    #[inline(always)]
+    fn count_exact<M: Tapped<R, Walk = W>>(&mut self, exact: R::Mask, violated: R::Mask) {
+        if !M::TIGHT {
+            self.counts.exact_lookups += u64::from(exact.count());
+        }
+        self.counts.majorant_violations += u64::from(violated.count());
+    }
+
     /// Keeps the place and the optics of real collisions.
     #[inline(always)]
     fn record_hit<M, G>(&mut self, scene: &Scene<'_, M, G>, t: R, real: R::Mask)
     where
-        M: PathMedium<R, Walk = W>,
+        M: Tapped<R, Walk = W>,
         G: Geometry<R> + ?Sized,
     {
         let Optics { albedo, phase, .. } = scene.medium.optics(&self.tracker.walk);
@@ -379,7 +393,7 @@ where
 
     /// A tentative collision of shadow rays: lowers their weights. Returns the rays that are blocked.
     #[inline(always)]
-    fn dim<M: PathMedium<R, Walk = W>, G: ?Sized>(
+    fn dim<M: Tapped<R, Walk = W>, G: ?Sized>(
         &mut self,
         scene: &Scene<'_, M, G>,
         sigma_t: R,
@@ -424,7 +438,7 @@ where
     #[inline(always)]
     pub fn scatter<M, G>(&mut self, scene: &Scene<'_, M, G>)
     where
-        M: PathMedium<R, Walk = W>,
+        M: Tapped<R, Walk = W>,
         G: Geometry<R> + ?Sized,
     {
         self.count_step();
@@ -484,7 +498,7 @@ where
     #[inline(always)]
     pub fn step<M, G>(&mut self, scene: &Scene<'_, M, G>, stage: Stage)
     where
-        M: PathMedium<R, Walk = W>,
+        M: Tapped<R, Walk = W>,
         G: Geometry<R> + ?Sized,
     {
         match stage {

@@ -288,7 +288,7 @@ fn render(
             real_collisions: counts.real_collisions,
             null_collisions: counts.null_collisions,
             lookups: counts.lookups,
-            exact_lookups: counts.lookups,
+            exact_lookups: counts.exact_lookups,
             majorant_cells: counts.majorant_cells,
             lane_utilisation: utilisation,
             majorant_violations: counts.majorant_violations,

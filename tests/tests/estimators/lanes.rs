@@ -3,7 +3,7 @@
 //! The strongest and steadiest test of all: no tolerance, no statistics. Modules hold the operations, the formulas
 //! made of them, and the bundles.
 
-use woodcock_core::path::{Counts, Geometry, PathMedium, PathSample, Scene};
+use woodcock_core::path::{Counts, Geometry, PathSample, Scene, Tapped};
 use woodcock_core::stream::Key;
 use woodcock_packet::lanes::Lanes;
 use woodcock_packet::trace::{PathRequest, trace, trace_scalar};
@@ -60,7 +60,7 @@ impl Visitor for Equality {
         name: &str,
         scene: &Scene<'_, M, G>,
     ) where
-        M: PathMedium<f32> + PathMedium<Lanes>,
+        M: Tapped<f32> + Tapped<Lanes>,
         G: Geometry<f32> + Geometry<Lanes>,
     {
         self.scenes += 1;
@@ -153,7 +153,7 @@ fn other_keys_are_other_paths() {
             name: &str,
             scene: &Scene<'_, M, G>,
         ) where
-            M: PathMedium<f32> + PathMedium<Lanes>,
+            M: Tapped<f32> + Tapped<Lanes>,
             G: Geometry<f32> + Geometry<Lanes>,
         {
             let mut counts = Counts::default();
@@ -196,7 +196,7 @@ fn every_path_of_the_furnace_is_white() {
             name: &str,
             scene: &Scene<'_, M, G>,
         ) where
-            M: PathMedium<f32> + PathMedium<Lanes>,
+            M: Tapped<f32> + Tapped<Lanes>,
             G: Geometry<f32> + Geometry<Lanes>,
         {
             if name != "white furnace ball" {

@@ -5,7 +5,7 @@
 
 use woodcock_core::free_flight::delta;
 use woodcock_core::medium::{IDENTITY, Procedural};
-use woodcock_core::path::{Counts, Geometry, PathMedium, Scene};
+use woodcock_core::path::{Counts, Geometry, Scene, Tapped};
 use woodcock_core::phase::{henyey_greenstein, rayleigh};
 use woodcock_core::ray::Ray;
 use woodcock_core::stream::{Key, PathStream, Stream};
@@ -134,7 +134,7 @@ impl Visitor for Pinned {
         name: &str,
         scene: &Scene<'_, M, G>,
     ) where
-        M: PathMedium<f32> + PathMedium<Lanes>,
+        M: Tapped<f32> + Tapped<Lanes>,
         G: Geometry<f32> + Geometry<Lanes>,
     {
         let requests: Vec<PathRequest> = (0..SIDE * SIDE * 5)

@@ -1,6 +1,6 @@
 //! Shadow rays: whichever estimator of transmittance they use, every colour has the same mean.
 
-use woodcock_core::path::{Geometry, PathMedium, Scene};
+use woodcock_core::path::{Geometry, Scene, Tapped};
 use woodcock_core::stream::Key;
 use woodcock_packet::lanes::Lanes;
 use woodcock_packet::trace::{PathRequest, trace};
@@ -16,7 +16,7 @@ impl Visitor for Means {
         name: &str,
         scene: &Scene<'_, M, G>,
     ) where
-        M: PathMedium<f32> + PathMedium<Lanes>,
+        M: Tapped<f32> + Tapped<Lanes>,
         G: Geometry<f32> + Geometry<Lanes>,
     {
         if !name.starts_with("coloured cloud") {
