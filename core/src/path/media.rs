@@ -4,7 +4,7 @@
 //! with several keeps them in a table, and each lane walks its own ([`Atlas`]).
 
 use crate::free_flight::delta::is_real;
-use crate::majorant::{GridLayout, GridWalk, MajorantGrid, Segment};
+use crate::majorant::{BLOCK, GridLayout, GridWalk, MajorantGrid, Segment};
 use crate::medium::{Affine, IDENTITY, Medium, transform_ray};
 use crate::phase::Phase;
 use crate::ray::{FAR, Ray};
@@ -88,6 +88,8 @@ pub enum RecordKind {
         samples: u32,
         /// Index of the grid's first bound in the common table.
         majorants: u32,
+        /// Edge of a majorant block, in voxel cells.
+        edge: u32,
     },
 }
 
@@ -124,6 +126,7 @@ const STRIDES: usize = 23;
 const MAJORANTS: usize = 25;
 const MAJORANT_STRIDES: usize = 26;
 const LAST: usize = 28;
+const EDGE: usize = 31;
 
 impl MediumRecord {
     /// The record as the words of a table.
@@ -141,24 +144,25 @@ impl MediumRecord {
         }
         put(G, self.g.to_bits());
         put(RAYLEIGH, u32::from(self.rayleigh));
-        let (affine, dims) = match self.kind {
-            RecordKind::Homogeneous => (IDENTITY, [2; 3]),
+        let (affine, dims, edge) = match self.kind {
+            RecordKind::Homogeneous => (IDENTITY, [2; 3], BLOCK),
             RecordKind::Grid {
                 world_to_grid,
                 dims,
                 samples,
                 majorants,
+                edge,
             } => {
                 put(IS_GRID, 1);
                 put(SAMPLES, samples);
                 put(MAJORANTS, majorants);
-                (world_to_grid, dims)
+                (world_to_grid, dims, edge)
             }
         };
         for (at, value) in affine.iter().flatten().enumerate() {
             put(AFFINE + at, value.to_bits());
         }
-        let [strides, majorant_strides] = MajorantGrid::strides(dims);
+        let [strides, majorant_strides] = MajorantGrid::strides(dims, edge);
         for axis in 0..2 {
             put(STRIDES + axis, strides[axis]);
             put(MAJORANT_STRIDES + axis, majorant_strides[axis]);
@@ -166,6 +170,7 @@ impl MediumRecord {
         for (axis, n) in dims.iter().enumerate() {
             put(LAST + axis, ((n - 1) as f32).to_bits());
         }
+        put(EDGE, (edge as f32).to_bits());
         words
     }
 }
@@ -203,6 +208,7 @@ impl<F> Fields<F> {
             strides: [word(STRIDES), word(STRIDES + 1)],
             majorants: word(MAJORANTS),
             majorant_strides: [word(MAJORANT_STRIDES), word(MAJORANT_STRIDES + 1)],
+            edge: self.real::<R>(EDGE),
             last: self.vec3::<R>(LAST),
             scale: self.real::<R>(SCALE),
         }
