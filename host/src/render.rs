@@ -77,7 +77,13 @@ impl Plan {
             split: 1,
             layers: false,
             seed,
-            settings: Settings { max_depth, shadow },
+            settings: Settings {
+                max_depth,
+                shadow,
+                points: std::env::var("WP").is_ok(),
+                forced: std::env::var("WF").is_ok(),
+                faint: std::env::var("WN").map_or(0.0, |s| s.parse().unwrap_or(0.0)),
+            },
         }
     }
 

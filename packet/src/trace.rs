@@ -1,6 +1,7 @@
 //! Whole paths, eight at a time.
 
 use woodcock_core::path::{Counts, Geometry, PathSample, Paths, Scene, Stage, Tapped};
+use woodcock_core::points::{self, Strata};
 use woodcock_core::real::{Mask, Real};
 use woodcock_core::stream::{Key, KeyedStream};
 
@@ -22,6 +23,28 @@ pub struct PathRequest {
 /// so is finding a stretch; moving to a tentative collision is cheap.
 const FULL_ENOUGH: u32 = 4;
 
+/// The strata of the replicate that was asked for last: paths come in the order of their samples.
+#[derive(Debug, Default)]
+struct Bank {
+    of: Option<Key>,
+    strata: [Strata; points::REPLICATE as usize],
+}
+
+impl Bank {
+    #[inline]
+    fn strata(&mut self, key: Key) -> Strata {
+        let first = Key {
+            sample: key.sample / points::REPLICATE,
+            ..key
+        };
+        if self.of != Some(first) {
+            self.of = Some(first);
+            self.strata = points::replicate(key);
+        }
+        self.strata[(key.sample % points::REPLICATE) as usize]
+    }
+}
+
 /// Traces the requested paths and hands each sample to `land(index, sample)`, in any order.
 ///
 /// The sample of a request is a pure function of it and of the scene: it has the same bits in
@@ -40,6 +63,7 @@ where
     let mut waiting = requests.into_iter().enumerate();
     let mut owners = [0_usize; LANES];
     let mut held = 0_u32;
+    let mut bank = Bank::default();
     loop {
         let running = paths.running().bits();
         if running != 0xff {
@@ -61,6 +85,9 @@ where
                     x.set_lane(lane, request.x as f32);
                     y.set_lane(lane, request.y as f32);
                     paths.stream().set_key(lane, request.key);
+                    if scene.settings.points {
+                        paths.strata().set(lane, bank.strata(request.key));
+                    }
                 }
             }
             if begun != 0 {
@@ -100,6 +127,9 @@ where
     use woodcock_core::stream::PathStream;
     let mut paths = Paths::<f32, M::Walk, PathStream, CHROMATIC, ANY_RAYLEIGH>::idle(scene.medium);
     KeyedStream::<f32>::set_key(paths.stream(), 0, request.key);
+    if scene.settings.points {
+        paths.strata().set(0, points::strata(request.key));
+    }
     paths.launch(scene, request.x as f32, request.y as f32, true);
     while paths.running() {
         for stage in [Stage::Track, Stage::Collide, Stage::Scatter, Stage::Enter] {

@@ -55,6 +55,13 @@ pub struct Settings {
     pub max_depth: u32,
     /// Shadow rays.
     pub shadow: ShadowEstimator,
+    /// Whether first choices take [points](crate::points) that lie well; else all come from the stream.
+    pub points: bool,
+    /// Whether each flight within a medium of constant extinction collides, what would have passed being scored as it
+    /// goes; for scenes whose rays meet one stretch of one medium at most.
+    pub forced: bool,
+    /// The density of scattering towards a light, times throughput [1/sr], below which shadow rays play roulette.
+    pub faint: f32,
 }
 
 impl Default for Settings {
@@ -62,6 +69,9 @@ impl Default for Settings {
         Self {
             max_depth: u32::MAX,
             shadow: ShadowEstimator::Ratio,
+            points: false,
+            forced: false,
+            faint: 0.0,
         }
     }
 }
