@@ -103,6 +103,40 @@ const NETS: [u64; GROUP] = {
     nets
 };
 
+/// Orders that a group's points may come in.
+const SHUFFLES: usize = 64;
+
+/// The nets in each of these orders: random ones, by Fisher and Yates.
+const SHUFFLED: [[u64; GROUP]; SHUFFLES] = {
+    let mut all = [[0; GROUP]; SHUFFLES];
+    let mut state = 0x243f_6a88_85a3_08d3_u64;
+    let mut s = 0;
+    while s < SHUFFLES {
+        let mut order = ORDER;
+        let mut last = 15;
+        while last > 0 {
+            state = state
+                .wrapping_mul(0x5851_f42d_4c95_7f2d)
+                .wrapping_add(0x1405_7b7e_f767_814f);
+            let other = (state >> 33) % (last + 1);
+            let difference = digit(order, last) ^ digit(order, other);
+            order ^= (difference << (last * 4)) ^ (difference << (other * 4));
+            last -= 1;
+        }
+        let mut d = 0;
+        while d < GROUP {
+            let mut i = 0;
+            while i < 16 {
+                all[s][d] |= digit(NETS[d], digit(order, i)) << (i * 4);
+                i += 1;
+            }
+            d += 1;
+        }
+        s += 1;
+    }
+    all
+};
+
 /// The strata of a path's choices, four bits each.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Strata(u64);
@@ -141,15 +175,14 @@ pub fn replicate(key: Key) -> [Strata; REPLICATE as usize] {
     };
     let mut paths = [0_u64; REPLICATE as usize];
     for group in 0..16 / GROUP {
-        let order = shuffled(random());
+        let nets = &SHUFFLED[(random() % SHUFFLES as u64) as usize];
         // Sixteen bits for each choice, of which scrambling takes fifteen.
         let trees = random();
-        let numbers: [u64; GROUP] =
-            core::array::from_fn(|d| compose(scrambling(trees >> (16 * d)), NETS[d]));
-        for (i, path) in paths.iter_mut().enumerate() {
-            let place = digit(order, i as u64);
-            for (d, table) in numbers.iter().enumerate() {
-                *path |= digit(*table, place) << ((group * GROUP + d) * 4);
+        for (d, net) in nets.iter().enumerate() {
+            let table = scrambling(trees >> (16 * d));
+            let place = (group * GROUP + d) * 4;
+            for (i, path) in paths.iter_mut().enumerate() {
+                *path |= digit(table, digit(*net, i as u64)) << place;
             }
         }
     }
@@ -160,20 +193,6 @@ pub fn replicate(key: Key) -> [Strata; REPLICATE as usize] {
 #[inline]
 pub fn strata(key: Key) -> Strata {
     replicate(key)[(key.sample % REPLICATE) as usize]
-}
-
-/// A random order of sixteen, packed.
-#[inline(always)]
-fn shuffled(mut random: u64) -> u64 {
-    let mut order = ORDER;
-    for last in (1..16_u64).rev() {
-        // Four fresh bits scaled to 0 ..= last: uneven by a little, which costs a little of the gain and no bias.
-        let other = ((random & 0xff) * (last + 1)) >> 8;
-        random = random.rotate_right(4);
-        let difference = (digit(order, last) ^ digit(order, other)) & 15;
-        order ^= (difference << (last * 4)) ^ (difference << (other * 4));
-    }
-    order
 }
 
 /// Owen's scrambling of four digits, as a packed table: a digit is flipped or not by a random bit that belongs to the
@@ -203,18 +222,6 @@ const fn scrambling(tree: u64) -> u64 {
     ORDER ^ flips
 }
 
-/// The packed table of `outer[inner[i]]`.
-#[inline(always)]
-const fn compose(outer: u64, inner: u64) -> u64 {
-    let mut table = 0;
-    let mut i = 0;
-    while i < 16 {
-        table |= digit(outer, digit(inner, i)) << (i * 4);
-        i += 1;
-    }
-    table
-}
-
 /// The strata of the path in each lane.
 #[derive(Clone, Copy, Debug)]
 pub struct LaneStrata<W>([W; 2]);
@@ -226,12 +233,18 @@ impl<W: Word> LaneStrata<W> {
         Self([W::splat(0); 2])
     }
 
-    /// Gives a lane the strata of its new path.
+    /// From the lower and upper halves of each lane's [`Strata`].
     #[inline(always)]
-    pub fn set(&mut self, lane: usize, strata: Strata) {
-        for (half, word) in self.0.iter_mut().zip(strata.words()) {
-            half.set_lane(lane, word);
-        }
+    pub fn new(words: [W; 2]) -> Self {
+        Self(words)
+    }
+
+    /// `if_true` where the mask holds, else `if_false`.
+    #[inline(always)]
+    pub fn select(mask: W::Mask, if_true: Self, if_false: Self) -> Self {
+        let [a, b] = if_true.0;
+        let [c, d] = if_false.0;
+        Self([W::select(mask, a, c), W::select(mask, b, d)])
     }
 
     /// The stratum of a choice as the leading digits of a word.

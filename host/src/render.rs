@@ -11,7 +11,7 @@ use woodcock_packet::lanes::Lanes;
 use woodcock_packet::trace::{self, PathRequest};
 
 use crate::drive::Progress;
-use crate::film::{Film, Tile};
+use crate::film::{Film, Landing, Place, Tile};
 use crate::integrator::{self, Integrator};
 use crate::world::{Feature, Location, World};
 
@@ -41,6 +41,9 @@ pub struct Plan {
     pub layers: bool,
     /// Seed of all random numbers.
     pub seed: u64,
+    /// Samples of a pixel whose points depend on each other, a power of two; one where all are independent. The samples `k N` to
+    /// `(k + 1) N − 1` are one replicate of N.
+    pub replicate: u32,
     /// Shadow rays and depth.
     pub settings: Settings,
 }
@@ -77,14 +80,25 @@ impl Plan {
             split: 1,
             layers: false,
             seed,
+            replicate: if std::env::var("WP").is_ok() { 16 } else { 1 },
             settings: Settings {
                 max_depth,
                 shadow,
                 points: std::env::var("WP").is_ok(),
                 forced: std::env::var("WF").is_ok(),
                 faint: std::env::var("WN").map_or(0.0, |s| s.parse().unwrap_or(0.0)),
+                roulette: std::env::var("WR").map_or(0.25, |s| s.parse().unwrap_or(0.0)),
             },
         }
+    }
+
+    /// An empty film for what the plan brings of a world.
+    pub fn film(&self, world: &World) -> Film {
+        let mut film = Film::of_replicates(world.resolution, world.window, self.replicate);
+        if self.layers {
+            film.keep_layers();
+        }
+        film
     }
 
     /// Whether the kernels of core and packet do it all; otherwise the scalar integrators do.
@@ -350,38 +364,41 @@ where
     let place = |index: usize| {
         let (pixel, sample) = (index / per_pixel, index % per_pixel);
         let (x, y) = (pixel as u32 % width, pixel as u32 / width);
-        (window.x0 + x, window.y0 + y, samples.start + sample as u32)
+        Place {
+            x: window.x0 + x,
+            y: window.y0 + y,
+            sample: samples.start + sample as u32,
+            samples: samples.clone(),
+        }
     };
     let requests = (0..window.pixels() as usize * per_pixel).map(|index| {
-        let (x, y, sample) = place(index);
+        let Place { x, y, sample, .. } = place(index);
         request(world, plan.seed, x, y, sample)
     });
+    let mut landing = Landing::default();
     let mut counts = Counts::default();
     match plan.kernel {
         Kernel::Packet => {
             counts = trace::trace::<M, G, CHROMATIC, RAYLEIGH>(scene, requests, |index, path| {
-                let (x, y, sample) = place(index);
-                tile.add(x, y, sample, path.radiance, path.alpha);
+                landing.land(tile, place(index), path);
             });
         }
         Kernel::Scalar => {
-            for request in requests {
+            for (index, request) in requests.enumerate() {
                 let path =
                     trace::trace_scalar::<M, G, CHROMATIC, RAYLEIGH>(scene, request, &mut counts);
-                tile.add(
-                    request.x,
-                    request.y,
-                    request.key.sample,
-                    path.radiance,
-                    path.alpha,
-                );
+                landing.land(tile, place(index), path);
             }
         }
     }
+    debug_assert!(landing.is_done(), "every path lands");
     counts
 }
 
 /// Adds the samples with these indices to every pixel of a film over the world's window.
+///
+/// The film is to be of the plan's replicates ([`Plan::film`]); where they are larger than one, `samples` should begin and end at their
+/// multiples.
 pub fn render_pass(
     world: &World,
     plan: &Plan,
@@ -389,6 +406,7 @@ pub fn render_pass(
     samples: Range<u32>,
     progress: &dyn Progress,
 ) -> Counts {
+    debug_assert_eq!(film.replicate(), plan.replicate, "a film for this plan");
     if !plan.in_packets(world) {
         return integrator::render_pass(world, plan, film, samples, progress);
     }

@@ -70,8 +70,6 @@ pub struct Paths<R: Real, W, S, const CHROMATIC: bool, const ANY_RAYLEIGH: bool>
 
 /// A word beyond any number of stretches: the next search finds nothing.
 const NO_MORE: u32 = 1 << 30;
-/// Below this throughput a path plays roulette, and survives with it.
-const ROULETTE_THROUGHPUT: f32 = 0.25;
 /// Below this weight a shadow ray plays roulette, and survives with it.
 const ROULETTE_SHADOW: f32 = 0.125;
 /// A density that no competing strategy comes near.
@@ -142,10 +140,10 @@ where
         &mut self.stream
     }
 
-    /// The strata of first choices, to be given before a launch where there are points.
+    /// Gives lanes the strata of their first choices, before a launch where there are points.
     #[inline(always)]
-    pub fn strata(&mut self) -> &mut LaneStrata<R::Word> {
-        &mut self.strata
+    pub fn set_strata(&mut self, strata: LaneStrata<R::Word>, lanes: R::Mask) {
+        self.strata = LaneStrata::select(lanes, strata, self.strata);
     }
 
     /// What has been done so far.
@@ -558,7 +556,7 @@ where
         let throughput = self.throughput.times(self.hit.albedo);
         let factor = collision::roulette(
             throughput.max_component(),
-            R::splat(ROULETTE_THROUGHPUT),
+            R::splat(scene.settings.roulette),
             &mut self.stream,
             alive,
         );
