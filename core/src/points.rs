@@ -199,27 +199,20 @@ pub fn strata(key: Key) -> Strata {
 /// digits above it.
 #[inline(always)]
 const fn scrambling(tree: u64) -> u64 {
-    // A bit, at each place of the table whose number begins with the given digits, moved to the digit below.
-    const fn spread(bit: u64, places: u64) -> u64 {
-        (bit & 1).wrapping_neg() & places
+    // The lowest bits of `tree`, one to each part of the table whose numbers begin alike, at the part's lowest bit.
+    const fn to_bytes(bits: u64) -> u64 {
+        let one_each = ((bits & 0xff) * 0x0101_0101_0101_0101) & 0x8040_2010_0804_0201;
+        ((one_each + 0x7f7f_7f7f_7f7f_7f7f) >> 7) & 0x0101_0101_0101_0101
     }
-    let mut flips = spread(tree, 0x8888_8888_8888_8888);
-    let mut half = 0;
-    while half < 2 {
-        flips |= spread(tree >> (1 + half), 0x4444_4444 << (32 * half));
-        half += 1;
+    const fn to_quarters(bits: u64) -> u64 {
+        let one_each = ((bits & 15) * 0x0001_0001_0001_0001) & 0x0008_0004_0002_0001;
+        ((one_each + 0x7fff_7fff_7fff_7fff) >> 15) & 0x0001_0001_0001_0001
     }
-    let mut quarter = 0;
-    while quarter < 4 {
-        flips |= spread(tree >> (3 + quarter), 0x2222 << (16 * quarter));
-        quarter += 1;
-    }
-    let mut eighth = 0;
-    while eighth < 8 {
-        flips |= spread(tree >> (7 + eighth), 0x11 << (8 * eighth));
-        eighth += 1;
-    }
-    ORDER ^ flips
+    let all = (tree & 1) * 0x8888_8888_8888_8888;
+    let halves = (((tree >> 1) & 1) | ((tree & 4) << 30)) * 0x4444_4444;
+    let quarters = to_quarters(tree >> 3) * 0x2222;
+    let bytes = to_bytes(tree >> 7) * 0x11;
+    ORDER ^ (all | halves | quarters | bytes)
 }
 
 /// The strata of the path in each lane.
@@ -362,11 +355,11 @@ mod tests {
     #[test]
     fn choices_of_one_path_are_independent() {
         let n = 40_000;
-        let paths: std::vec::Vec<_> = (0..n).map(|pixel| strata(key(pixel, pixel % 16))).collect();
+        let path = |pixel| strata(key(pixel, pixel % 16));
         for (i, a) in ALL.iter().enumerate() {
             for b in &ALL[i + 1..] {
                 let mut counts = [0_u32; 256];
-                for p in &paths {
+                for p in (0..n).map(path) {
                     counts[(p.of(*a) * 16 + p.of(*b)) as usize] += 1;
                 }
                 let expected = f64::from(n) / 256.0;
