@@ -62,6 +62,8 @@ pub struct Settings {
     pub forced: bool,
     /// The density of scattering towards a light, times throughput [1/sr], below which shadow rays play roulette.
     pub faint: f32,
+    /// dim
+    pub dim: f32,
     /// The throughput below which a path plays roulette, and survives with it.
     pub roulette: f32,
 }
@@ -74,6 +76,7 @@ impl Default for Settings {
             points: false,
             forced: false,
             faint: 0.0,
+            dim: 0.01,
             roulette: 0.25,
         }
     }

@@ -56,6 +56,8 @@ pub struct Paths<R: Real, W, S, const CHROMATIC: bool, const ANY_RAYLEIGH: bool>
     /// What the shadow ray's light brings, but for its transmittance, which is `weight`.
     direct: Vec3<R>,
     weight: Vec3<R>,
+    /// Below this weight the shadow ray plays roulette, and survives with it.
+    floor: R,
     depth: R::Word,
     /// Density with which the present direction was sampled [1/sr].
     pdf: R,
@@ -111,6 +113,7 @@ where
             radiance: zero,
             direct: zero,
             weight: zero,
+            floor: R::zero(),
             depth: R::Word::splat(0),
             pdf: R::zero(),
             shadow: none,
@@ -535,7 +538,7 @@ where
             new.x
         };
         let factor =
-            collision::roulette(largest, R::splat(ROULETTE_SHADOW), &mut self.stream, shadow);
+            collision::roulette(largest, self.floor, &mut self.stream, shadow);
         self.weight = Vec3::select(shadow, new * factor, old);
         (largest * factor).eq(R::zero()) & shadow
     }
@@ -609,6 +612,8 @@ where
             let looks = alive.and_not(factor.eq(R::zero()));
             self.direct = Vec3::select(looks, direct * factor, self.direct);
             self.weight = Vec3::select(looks, Vec3::uniform(1.0), self.weight);
+            let floor = R::splat(scene.settings.dim) / promise.max(R::splat(scene.settings.faint));
+            self.floor = R::select(looks, floor.min(R::splat(0.5)), self.floor);
             self.next_direction = Vec3::select(looks, direction, self.next_direction);
             let onward = Vec3::select(looks, light.direction, direction);
             self.ray.direction = Vec3::select(alive, onward, incoming);
