@@ -253,7 +253,7 @@ impl<W: Word> LaneStrata<W> {
 ///
 /// Words beyond those given are untouched, so that a draw that takes a second word in rare cases is right.
 #[derive(Debug)]
-pub struct Stratified<'a, R: Real, S, const N: usize> {
+pub struct Stratified<'a, R: Real, S: ?Sized, const N: usize> {
     stream: &'a mut S,
     leading: [R::Word; N],
     lanes: R::Mask,

@@ -2,10 +2,12 @@
 
 use std::ops::Range;
 
+use woodcock_core::medium::Controlled;
 use woodcock_core::path::{
     Atlas, Counts, Geometry, OneGrid, OneHomogeneous, PathSample, RecordKind, Scene, Settings,
     ShadowEstimator, Tapped,
 };
+use woodcock_core::points::REPLICATE;
 use woodcock_core::stream::Key;
 use woodcock_packet::lanes::Lanes;
 use woodcock_packet::trace::{self, PathRequest};
@@ -73,6 +75,9 @@ impl Plan {
             Integrator::Single => max_depth.min(1),
             _ => max_depth,
         };
+        let settings = world.settings();
+        let in_replicates =
+            settings.points && matches!(integrator, Integrator::Path | Integrator::Single);
         Self {
             kernel,
             integrator,
@@ -80,15 +85,11 @@ impl Plan {
             split: 1,
             layers: false,
             seed,
-            replicate: if std::env::var("WP").is_ok() { 16 } else { 1 },
+            replicate: if in_replicates { REPLICATE } else { 1 },
             settings: Settings {
                 max_depth,
                 shadow,
-                points: std::env::var("WP").is_ok(),
-                forced: std::env::var("WF").is_ok(),
-                faint: std::env::var("WN").map_or(0.0, |s| s.parse().unwrap_or(0.0)),
-                dim: std::env::var("WD").map_or(0.01, |s| s.parse().unwrap_or(0.0)),
-                roulette: std::env::var("WR").map_or(0.25, |s| s.parse().unwrap_or(0.0)),
+                ..settings
             },
         }
     }
@@ -100,6 +101,11 @@ impl Plan {
             film.keep_layers();
         }
         film
+    }
+
+    /// Whether paths are their camera rays, whose transmittance is all that is to be known.
+    fn absorbs(&self, world: &World) -> bool {
+        !world.needs.runs(Feature::Scattering) && self.settings.shadow != ShadowEstimator::Delta
     }
 
     /// Whether the kernels of core and packet do it all; otherwise the scalar integrators do.
@@ -117,8 +123,15 @@ trait Job {
         scene: &Scene<'_, M, G>,
     ) -> Self::Output
     where
-        M: Tapped<f32> + Tapped<Lanes> + Sync,
+        M: AnyMedium,
         G: Geometry<f32> + Geometry<Lanes> + Sync + ?Sized;
+}
+
+/// A medium for both widths.
+trait AnyMedium: Tapped<f32> + Controlled<f32> + Tapped<Lanes> + Controlled<Lanes> + Sync {}
+impl<M> AnyMedium for M where
+    M: Tapped<f32> + Controlled<f32> + Tapped<Lanes> + Controlled<Lanes> + Sync
+{
 }
 
 /// Geometry for both widths, behind one pointer: a call a ray, not a call a step.
@@ -243,7 +256,7 @@ fn pick<M, J: Job>(
     job: J,
 ) -> J::Output
 where
-    M: Tapped<f32> + Tapped<Lanes> + Sync,
+    M: AnyMedium,
 {
     let scene = Scene {
         medium,
@@ -275,7 +288,7 @@ impl Job for Pass<'_> {
         scene: &Scene<'_, M, G>,
     ) -> Counts
     where
-        M: Tapped<f32> + Tapped<Lanes> + Sync,
+        M: AnyMedium,
         G: Geometry<f32> + Geometry<Lanes> + Sync + ?Sized,
     {
         let tile = |tile: &mut Tile| {
@@ -348,6 +361,24 @@ pub(crate) fn request(world: &World, seed: u64, x: u32, y: u32, sample: u32) -> 
     }
 }
 
+/// One path in scalar code.
+fn trace_one<M, G, const CHROMATIC: bool, const RAYLEIGH: bool>(
+    scene: &Scene<'_, M, G>,
+    absorbs: bool,
+    request: PathRequest,
+    counts: &mut Counts,
+) -> PathSample
+where
+    M: AnyMedium,
+    G: Geometry<f32> + ?Sized,
+{
+    if absorbs {
+        trace::absorb_scalar::<M, G, CHROMATIC>(scene, request, counts)
+    } else {
+        trace::trace_scalar::<M, G, CHROMATIC, RAYLEIGH>(scene, request, counts)
+    }
+}
+
 fn trace_tile<M, G, const CHROMATIC: bool, const RAYLEIGH: bool>(
     scene: &Scene<'_, M, G>,
     world: &World,
@@ -356,7 +387,7 @@ fn trace_tile<M, G, const CHROMATIC: bool, const RAYLEIGH: bool>(
     tile: &mut Tile,
 ) -> Counts
 where
-    M: Tapped<f32> + Tapped<Lanes>,
+    M: AnyMedium,
     G: Geometry<f32> + Geometry<Lanes> + ?Sized,
 {
     let window = tile.window();
@@ -378,17 +409,19 @@ where
     });
     let mut landing = Landing::default();
     let mut counts = Counts::default();
-    match plan.kernel {
-        Kernel::Packet => {
-            counts = trace::trace::<M, G, CHROMATIC, RAYLEIGH>(scene, requests, |index, path| {
-                landing.land(tile, place(index), path);
-            });
+    let mut land = |index: usize, path| landing.land(tile, place(index), path);
+    match (plan.kernel, plan.absorbs(world)) {
+        (Kernel::Packet, false) => {
+            counts = trace::trace::<M, G, CHROMATIC, RAYLEIGH>(scene, requests, land);
         }
-        Kernel::Scalar => {
+        (Kernel::Packet, true) => {
+            counts = trace::absorb::<M, G, CHROMATIC>(scene, requests, land);
+        }
+        (Kernel::Scalar, absorbs) => {
             for (index, request) in requests.enumerate() {
                 let path =
-                    trace::trace_scalar::<M, G, CHROMATIC, RAYLEIGH>(scene, request, &mut counts);
-                landing.land(tile, place(index), path);
+                    trace_one::<M, G, CHROMATIC, RAYLEIGH>(scene, absorbs, request, &mut counts);
+                land(index, path);
             }
         }
     }
@@ -426,6 +459,7 @@ pub fn render_pass(
 
 /// One path, again.
 struct Replay {
+    absorbs: bool,
     request: PathRequest,
 }
 
@@ -436,12 +470,12 @@ impl Job for Replay {
         scene: &Scene<'_, M, G>,
     ) -> Self::Output
     where
-        M: Tapped<f32> + Tapped<Lanes> + Sync,
+        M: AnyMedium,
         G: Geometry<f32> + Geometry<Lanes> + Sync + ?Sized,
     {
         let mut counts = Counts::default();
         let path =
-            trace::trace_scalar::<M, G, CHROMATIC, RAYLEIGH>(scene, self.request, &mut counts);
+            trace_one::<M, G, CHROMATIC, RAYLEIGH>(scene, self.absorbs, self.request, &mut counts);
         (path, counts)
     }
 }
@@ -457,6 +491,7 @@ pub fn replay(world: &World, plan: &Plan, x: u32, y: u32, sample: u32) -> (PathS
         world,
         plan,
         Replay {
+            absorbs: plan.absorbs(world),
             request: request(world, plan.seed, x, y, sample),
         },
     )
