@@ -10,6 +10,7 @@
 
 use crate::majorant::leaps::{CODE_BITS, CODE_MASK};
 use crate::majorant::{BLOCK, MajorantGrid, Segment};
+use crate::path::Bricks;
 use crate::ray::{Ray, bounded_reciprocal};
 use crate::real::{Mask, Real, Word};
 use crate::stream::Stream;
@@ -323,6 +324,25 @@ impl<R: Real> GridWalk<R> {
     /// 22 bits for the three axes.
     #[inline(always)]
     pub fn tap(&self, t: R, rng: &mut impl Stream<R>, active: R::Mask) -> R::Word {
+        let [x, y, z] = self.corner(t, rng, active);
+        self.layout.samples + x + y * self.layout.strides[0] + z * self.layout.strides[1]
+    }
+
+    /// As [`tap`](Self::tap), of samples in bricks: the strides of the layout are those of the lattice.
+    #[inline(always)]
+    pub(crate) fn tap_in(
+        &self,
+        bricks: &Bricks<'_>,
+        t: R,
+        rng: &mut impl Stream<R>,
+        active: R::Mask,
+    ) -> R::Word {
+        bricks.index::<R>(self.corner(t, rng, active), self.layout.strides)
+    }
+
+    /// The coordinates of the sample of a [tap](Self::tap).
+    #[inline(always)]
+    fn corner(&self, t: R, rng: &mut impl Stream<R>, active: R::Mask) -> [R::Word; 3] {
         let place = self.place(t);
         let (a, b) = (rng.next_word(active), rng.next_word(active));
         let low_bits = R::Word::splat(0x7ff);
@@ -337,7 +357,13 @@ impl<R: Real> GridWalk<R> {
         let x = corner(place.x, a.shr(11), 2_097_152.0);
         let y = corner(place.y, b.shr(11), 2_097_152.0);
         let z = corner(place.z, c, 4_194_304.0);
-        self.layout.samples + x + y * self.layout.strides[0] + z * self.layout.strides[1]
+        [x, y, z]
+    }
+
+    /// What samples and bounds are multiplied with to give extinction [1/length].
+    #[inline(always)]
+    pub(crate) fn scale(&self) -> R {
+        self.layout.scale
     }
 
     /// The full trilinear interpolant at distance `t` [1/length]: eight look-ups, no draws.

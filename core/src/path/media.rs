@@ -5,7 +5,8 @@
 
 use crate::free_flight::delta::is_real;
 use crate::majorant::{BLOCK, GridLayout, GridWalk, MajorantGrid, Segment};
-use crate::medium::{Affine, IDENTITY, Medium, transform_ray};
+use crate::medium::{Affine, Control, Controlled, IDENTITY, Medium, transform_ray};
+use crate::path::bricks::brick_counts;
 use crate::phase::Phase;
 use crate::ray::{FAR, Ray};
 use crate::real::{Mask, Real, Word};
@@ -173,10 +174,20 @@ impl MediumRecord {
         put(EDGE, (edge as f32).to_bits());
         words
     }
+
+    /// As [`to_words`](Self::to_words), for a grid that lies in [bricks](crate::path::Bricks).
+    pub(super) fn to_words_in_bricks(&self) -> [u32; RECORD_WORDS] {
+        let mut words = self.to_words();
+        if let RecordKind::Grid { dims, .. } = self.kind {
+            let [x, y, _] = brick_counts(dims);
+            (words[STRIDES], words[STRIDES + 1]) = (x, x.wrapping_mul(y));
+        }
+        words
+    }
 }
 
 /// Reads a record's fields, each lane its own or all the same, by a function of the field's place.
-struct Fields<F>(F);
+pub(super) struct Fields<F>(F);
 
 impl<F> Fields<F> {
     #[inline(always)]
@@ -198,7 +209,7 @@ impl<F> Fields<F> {
         )
     }
     #[inline(always)]
-    fn layout<R: Real>(&self) -> GridLayout<R>
+    pub(super) fn layout<R: Real>(&self) -> GridLayout<R>
     where
         F: Fn(usize) -> R::Word,
     {
@@ -214,7 +225,7 @@ impl<F> Fields<F> {
         }
     }
     #[inline(always)]
-    fn to_grid<R: Real>(&self, ray: &Ray<R>) -> Ray<R>
+    pub(super) fn to_grid<R: Real>(&self, ray: &Ray<R>) -> Ray<R>
     where
         F: Fn(usize) -> R::Word,
     {
@@ -222,7 +233,7 @@ impl<F> Fields<F> {
         transform_ray([row(0), row(1), row(2)], ray)
     }
     #[inline(always)]
-    fn optics<R: Real>(&self) -> Optics<R>
+    pub(super) fn optics<R: Real>(&self) -> Optics<R>
     where
         F: Fn(usize) -> R::Word,
     {
@@ -240,7 +251,9 @@ impl<F> Fields<F> {
 
 /// Gives every lane the same record.
 #[inline(always)]
-fn constant<R: Real>(words: &[u32; RECORD_WORDS]) -> Fields<impl Fn(usize) -> R::Word + '_> {
+pub(super) fn constant<R: Real>(
+    words: &[u32; RECORD_WORDS],
+) -> Fields<impl Fn(usize) -> R::Word + '_> {
     Fields(|at: usize| R::Word::splat(words[at]))
 }
 
@@ -301,80 +314,6 @@ impl<R: Real> Tapped<R> for OneHomogeneous {
     #[inline(always)]
     fn value(&self, _: &(), _: R::Word, _: R::Mask) -> R {
         constant::<R>(&self.words).real::<R>(SCALE)
-    }
-}
-
-/// The only medium of a scene, on a grid.
-#[derive(Clone, Copy, Debug)]
-pub struct OneGrid<'a> {
-    words: [u32; RECORD_WORDS],
-    samples: &'a [f32],
-    majorants: &'a [f32],
-}
-
-impl<'a> OneGrid<'a> {
-    /// From its record, and the tables that the record points into.
-    pub fn new(record: &MediumRecord, samples: &'a [f32], majorants: &'a [f32]) -> Self {
-        Self {
-            words: record.to_words(),
-            samples,
-            majorants,
-        }
-    }
-}
-
-impl<R: Real> Medium<R> for OneGrid<'_> {
-    type Walk = GridWalk<R>;
-    const ONE_SEGMENT: bool = false;
-    const TIGHT: bool = false;
-
-    #[inline(always)]
-    fn idle(&self) -> GridWalk<R> {
-        GridWalk::idle()
-    }
-    #[inline(always)]
-    fn begin(&self, walk: &mut GridWalk<R>, ray: &Ray<R>, active: R::Mask) {
-        let fields = constant::<R>(&self.words);
-        walk.begin(
-            &fields.layout::<R>(),
-            &fields.to_grid(ray),
-            self.majorants,
-            active,
-        );
-    }
-    #[inline(always)]
-    fn segment(&self, walk: &GridWalk<R>) -> Segment<R> {
-        walk.segment()
-    }
-    #[inline(always)]
-    fn next_segment(&self, walk: &mut GridWalk<R>, active: R::Mask) {
-        walk.next_segment(self.majorants, active);
-    }
-    #[inline(always)]
-    fn sigma_t(&self, walk: &GridWalk<R>, t: R, rng: &mut impl Stream<R>, active: R::Mask) -> R {
-        walk.sigma_t(self.samples, t, rng, active)
-    }
-}
-
-impl<R: Real> PathMedium<R> for OneGrid<'_> {
-    #[inline(always)]
-    fn enter(&self, walk: &mut GridWalk<R>, ray: &Ray<R>, _: R::Word, active: R::Mask) {
-        self.begin(walk, ray, active);
-    }
-    #[inline(always)]
-    fn optics(&self, _: &GridWalk<R>) -> Optics<R> {
-        constant::<R>(&self.words).optics::<R>()
-    }
-}
-
-impl<R: Real> Tapped<R> for OneGrid<'_> {
-    #[inline(always)]
-    fn tap(&self, walk: &GridWalk<R>, t: R, rng: &mut impl Stream<R>, active: R::Mask) -> R::Word {
-        walk.tap(t, rng, active)
-    }
-    #[inline(always)]
-    fn value(&self, walk: &GridWalk<R>, tap: R::Word, _: R::Mask) -> R {
-        walk.value(self.samples, tap)
     }
 }
 
@@ -482,6 +421,27 @@ impl<R: Real> Tapped<R> for Atlas<'_> {
             R::select(walk.is_grid, grid, walk.scale)
         } else {
             walk.scale
+        }
+    }
+}
+
+impl<R: Real> Controlled<R> for OneHomogeneous {
+    #[inline(always)]
+    fn control(&self, walk: &()) -> Control<R> {
+        let sigma_t = self.segment(walk).majorant;
+        Control {
+            minimum: sigma_t,
+            mean: sigma_t,
+        }
+    }
+}
+
+impl<R: Real> Controlled<R> for Atlas<'_> {
+    #[inline(always)]
+    fn control(&self, walk: &AtlasWalk<R>) -> Control<R> {
+        Control {
+            minimum: R::zero(),
+            mean: self.segment(walk).majorant,
         }
     }
 }
