@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use woodcock_core::medium::Controlled;
 use woodcock_core::path::{
-    Atlas, Counts, Geometry, OneGrid, OneHomogeneous, PathSample, RecordKind, Scene, Settings,
+    Atlas, Counts, Geometry, OneHomogeneous, PathSample, RecordKind, Scene, Settings,
     ShadowEstimator, Tapped,
 };
 use woodcock_core::points::REPLICATE;
@@ -227,11 +227,7 @@ fn with_kernel<J: Job>(world: &World, plan: &Plan, job: J) -> J::Output {
             pick(world, plan, &medium, geometry, chromatic, rayleigh, job)
         }
         Kind::Grid => {
-            let medium = OneGrid::new(
-                &world.media[0].record,
-                &world.tables.samples,
-                &world.tables.majorants,
-            );
+            let medium = world.tables.one_grid(&world.media[0].record);
             pick(world, plan, &medium, geometry, chromatic, rayleigh, job)
         }
         Kind::Several => {

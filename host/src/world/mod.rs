@@ -8,12 +8,13 @@ mod locate;
 mod medium;
 mod needs;
 mod shape;
+mod storage;
 mod work;
 
 pub use boundaries::{Boundaries, Sides};
 pub use medium::{
-    Beyond, CloudDensity, CloudField, Details, Emission, EmissiveVoxel, Field, Local, Medium,
-    PhaseFunction, Support, Tables,
+    Beyond, BrickTables, CloudDensity, CloudField, Details, Emission, EmissiveVoxel, Field, Local,
+    Medium, PhaseFunction, Support, Tables,
 };
 pub use needs::{Decision, Feature, Need, Needs};
 pub use work::LIMIT as COLLISION_LIMIT;
@@ -227,7 +228,7 @@ pub fn assemble(scene: &Scene, files: &dyn Files, options: &Options) -> Result<W
     let (resolution, window) = picture(scene, options)?;
     let mut warnings = Vec::new();
     let origin = local_origin(scene);
-    let assembled = assemble_media(scene, origin, files, options, &mut warnings)?;
+    let mut assembled = assemble_media(scene, origin, files, options, &mut warnings)?;
     let keep = &options.keep;
     let mut needs = Needs::default();
 
@@ -290,6 +291,7 @@ pub fn assemble(scene: &Scene, files: &dyn Files, options: &Options) -> Result<W
         &mut needs,
     );
     path_needed(scene, &assembled.media, &place, keep, &mut needs);
+    storage::store(&assembled.media, &mut assembled.tables, keep, &mut needs);
     let (distant, environment) = lights(scene)?;
     let records = assembled
         .media

@@ -41,11 +41,15 @@ pub enum Feature {
     FaintShadowRays,
     /// First choices drawn apart from those of other samples.
     IndependentSamples,
+    /// A grid's samples in bricks, where they are, with a byte for each that settles most decisions.
+    Bricks,
+    /// A grid's samples in one table, however large.
+    DenseGrid,
 }
 
 impl Feature {
     /// All of them, in the order of the table.
-    pub const ALL: [Self; 16] = [
+    pub const ALL: [Self; 18] = [
         Self::Tracking,
         Self::Chromatic,
         Self::SeveralMedia,
@@ -62,6 +66,8 @@ impl Feature {
         Self::FreePassage,
         Self::FaintShadowRays,
         Self::IndependentSamples,
+        Self::Bricks,
+        Self::DenseGrid,
     ];
 
     /// Its name on the command line and in statistics.
@@ -79,6 +85,8 @@ impl Feature {
             Self::LocalLights => "local-lights",
             Self::DetailedMedia => "detailed-media",
             Self::EquiAngular => "equi-angular",
+            Self::Bricks => "bricks",
+            Self::DenseGrid => "dense-grid",
             Self::Scattering => "scattering",
             Self::FreePassage => "free-passage",
             Self::FaintShadowRays => "faint-shadow-rays",
