@@ -31,7 +31,7 @@ impl BrickTables {
     /// * `samples`: x fastest, finite and not negative. `dims`: of them, along x, y, z.
     ///
     /// Where half precision holds every sample, they are kept so.
-    pub(super) fn of_dense(samples: &[f32], dims: [u32; 3]) -> Option<Self> {
+    pub fn of_dense(samples: &[f32], dims: [u32; 3]) -> Option<Self> {
         let [nx, ny, nz] = brick_counts(dims);
         let lattice = |n: u32| [n % nx, n / nx % ny, n / (nx * ny)];
         let read = |n: u32| of_dense(samples, dims, lattice(n));
