@@ -65,7 +65,7 @@ pub fn assemble_text(
 
 /// Renders with the default integrator and one thread.
 pub fn render(world: &World, kernel: Kernel, samples: u32, seed: u64) -> Vec<Pixel> {
-    let shadow = ShadowEstimator::Ratio;
+    let shadow = ShadowEstimator::ByNeed;
     let plan = Plan::new(world, kernel, Integrator::Path, seed, shadow, None);
     let mut film = Film::new(world.resolution, world.window);
     render_pass(world, &plan, &mut film, 0..samples, &Silent);

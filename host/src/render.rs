@@ -5,7 +5,7 @@ use std::ops::Range;
 use woodcock_core::medium::Controlled;
 use woodcock_core::path::{
     Atlas, Counts, Geometry, OneGrid, OneHomogeneous, PathSample, RecordKind, Scene, Settings,
-    ShadowEstimator, Tapped,
+    ShadowEstimator, Shining, Tapped,
 };
 use woodcock_core::points::REPLICATE;
 use woodcock_core::stream::Key;
@@ -105,7 +105,7 @@ impl Plan {
 
     /// Whether paths are their camera rays, whose transmittance is all that is to be known.
     fn absorbs(&self, world: &World) -> bool {
-        !world.needs.runs(Feature::Scattering) && self.settings.shadow != ShadowEstimator::Delta
+        !world.needs.runs(Feature::Scattering) && self.settings.shadow == ShadowEstimator::ByNeed
     }
 
     /// Whether the kernels of core and packet do it all; otherwise the scalar integrators do.
@@ -174,6 +174,8 @@ enum Kind {
 
 fn kind(world: &World) -> Kind {
     match world.media.as_slice() {
+        // Of several media none shines in packets.
+        [_] if world.source.is_some() => Kind::Grid,
         _ if world.needs.runs(Feature::SeveralMedia) => Kind::Several,
         [medium] => match medium.record.kind {
             RecordKind::Homogeneous if !world.needs.runs(Feature::Tracking) => Kind::Homogeneous,
@@ -232,7 +234,14 @@ fn with_kernel<J: Job>(world: &World, plan: &Plan, job: J) -> J::Output {
                 &world.tables.samples,
                 &world.tables.majorants,
             );
-            pick(world, plan, &medium, geometry, chromatic, rayleigh, job)
+            match &world.source {
+                None => pick(world, plan, &medium, geometry, chromatic, rayleigh, job),
+                Some(source) => {
+                    let source = source.as_source();
+                    let medium = Shining { medium, source };
+                    pick(world, plan, &medium, geometry, chromatic, true, job)
+                }
+            }
         }
         Kind::Several => {
             let medium = Atlas {

@@ -33,6 +33,15 @@ pub trait PathMedium<R: Real>: Medium<R> {
 
 /// A medium of packets: the extinction at a place is that of one sample of a table, picked at random.
 pub trait Tapped<R: Real>: PathMedium<R> + Sized {
+    /// Whether it sends out light.
+    const SHINES: bool = false;
+
+    /// σ_a L_e by colour \[W/(m³ sr)\] at a place of the world, of a tap's extinction [1/length].
+    #[inline(always)]
+    fn emission(&self, _sigma_t: R, _place: Vec3<R>) -> Vec3<R> {
+        Vec3::uniform(0.0)
+    }
+
     /// Which sample stands for the place at distance `t` of the present segment: all that is asked of a tentative
     /// collision is asked of it.
     fn tap(&self, walk: &Self::Walk, t: R, rng: &mut impl Stream<R>, active: R::Mask) -> R::Word;

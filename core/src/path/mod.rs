@@ -25,6 +25,7 @@ mod absorption;
 mod counts;
 mod geometry;
 mod media;
+mod source;
 mod state;
 
 pub use absorption::{absorb, sample_of};
@@ -34,16 +35,20 @@ pub use media::{
     Atlas, Decided, MediumRecord, OneGrid, OneHomogeneous, Optics, PathMedium, RECORD_WORDS,
     RecordKind, Tapped,
 };
+pub use source::{BlackBodies, Field, Radiance, Shining, Source};
 pub use state::{Paths, Stage};
 
 use crate::camera::Camera;
 use crate::light::Lights;
 
-/// Which estimator a shadow ray uses where the medium has no closed form.
+/// Which estimator of transmittance is used where the medium has no closed form.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ShadowEstimator {
-    /// [`crate::transmittance::ratio`].
+    /// [`crate::transmittance::power_series`] for the camera rays of scenes that only absorb, which see little else;
+    /// [`crate::transmittance::ratio`] with roulette for shadow rays, most of which are soon blocked.
     #[default]
+    ByNeed,
+    /// [`crate::transmittance::ratio`].
     Ratio,
     /// [`crate::transmittance::delta`].
     Delta,
@@ -79,7 +84,7 @@ impl Default for Settings {
     fn default() -> Self {
         Self {
             max_depth: u32::MAX,
-            shadow: ShadowEstimator::Ratio,
+            shadow: ShadowEstimator::ByNeed,
             points: false,
             forced: false,
             faint: 0.06,

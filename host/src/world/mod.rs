@@ -11,6 +11,7 @@ mod shape;
 mod work;
 
 pub use boundaries::{Boundaries, Sides};
+pub(crate) use medium::PacketSource;
 pub use medium::{
     Beyond, CloudDensity, CloudField, Details, Emission, EmissiveVoxel, Field, Local, Medium,
     PhaseFunction, Support, Tables,
@@ -84,6 +85,8 @@ pub struct World {
     pub materials: Materials,
     /// All lights but media, as scalar integrators sample them.
     pub lighting: Lighting,
+    /// The light of the only medium, for packets.
+    pub(crate) source: Option<PacketSource>,
     /// Media that shine, as lights.
     pub(crate) glow: Option<Glow>,
     /// The largest extinction of each medium, by its bounds [1/length].
@@ -281,10 +284,14 @@ pub fn assemble(scene: &Scene, files: &dyn Files, options: &Options) -> Result<W
     let lighting = Lighting::new(scene, &surfaces, bounds, origin, files, &options.limits)?;
     let alone = lighting.is_empty();
     let glow = Glow::new(&assembled.media, &assembled.tables, alone);
+    let source = match assembled.media.as_slice() {
+        [medium] => medium.packet_source(),
+        _ => None,
+    };
     let overlaps = matches!(&place, Location::Boundaries(b) if b.overlap());
     scalar_needed(
         scene,
-        (&assembled.media, overlaps),
+        (&assembled.media, overlaps, source.is_some()),
         &surfaces,
         keep,
         &mut needs,
@@ -322,6 +329,7 @@ pub fn assemble(scene: &Scene, files: &dyn Files, options: &Options) -> Result<W
         surfaces,
         materials,
         lighting,
+        source,
         glow,
     })
 }
@@ -329,7 +337,7 @@ pub fn assemble(scene: &Scene, files: &dyn Files, options: &Options) -> Result<W
 /// What only scalar integrators do.
 fn scalar_needed(
     scene: &Scene,
-    (media, overlaps): (&[Medium], bool),
+    (media, overlaps, lit_in_packets): (&[Medium], bool, bool),
     surfaces: &Surfaces,
     keep: &[Feature],
     needs: &mut Needs,
@@ -351,10 +359,17 @@ fn scalar_needed(
         n => format!("{n} lights at points or with pictures"),
     };
     needs.decide(Feature::LocalLights, local > 0, &[], reason);
-    let detailed = media.iter().filter(|medium| !medium.is_plain()).count();
+    let shining = media.iter().filter(|medium| medium.is_emissive()).count();
+    let reason = match shining {
+        0 => "no medium shines".to_owned(),
+        n => format!("{n} media shine"),
+    };
+    needs.decide(Feature::Emission, shining > 0, &[], reason);
+    let beyond_packets = |medium: &&Medium| !medium.is_plain() && !lit_in_packets;
+    let detailed = media.iter().filter(beyond_packets).count();
     let mixed = overlaps && needs.runs(Feature::Chromatic);
     let reason = match (detailed, mixed) {
-        (0, false) => "media are grey or of one colour, and dark".to_owned(),
+        (0, false) => "media are grey or of one colour throughout".to_owned(),
         (0, true) => "coloured media overlap".to_owned(),
         (n, _) => format!("{n} media shine, vary in colour or scatter by other laws"),
     };
@@ -395,11 +410,14 @@ fn path_needed(
         return;
     }
     let scatters = media.iter().any(|m| m.record.albedo != [0.0; 3]);
-    let reason = match (scatters, media.is_empty()) {
-        (true, _) => "a medium scatters",
-        (false, false) => "absorption only: transmittance alone",
-        (false, true) => "no medium to be seen",
+    let shines = needs.runs(Feature::Emission);
+    let reason = match (scatters, shines, media.is_empty()) {
+        (true, ..) => "a medium scatters",
+        (false, true, _) => "a medium shines on the way to where flights end",
+        (false, false, false) => "absorption only: transmittance alone",
+        (false, false, true) => "no medium to be seen",
     };
+    let scatters = scatters || shines;
     let scatters = needs.decide(Feature::Scattering, scatters, keep, reason);
     let one = matches!(place, Location::Convex(convex) if *convex != Convex::Everywhere)
         && !needs.runs(Feature::Tracking)

@@ -29,7 +29,9 @@ pub enum Feature {
     Surfaces,
     /// Lights at places, and pictures of the sky.
     LocalLights,
-    /// Media that shine, change colour from place to place, or scatter by other laws than two.
+    /// Light from within media.
+    Emission,
+    /// Media that change colour from place to place, scatter by other laws than two, or shine where there are several.
     DetailedMedia,
     /// Distances sampled by how near a light is.
     EquiAngular,
@@ -45,7 +47,7 @@ pub enum Feature {
 
 impl Feature {
     /// All of them, in the order of the table.
-    pub const ALL: [Self; 16] = [
+    pub const ALL: [Self; 17] = [
         Self::Tracking,
         Self::Chromatic,
         Self::SeveralMedia,
@@ -56,6 +58,7 @@ impl Feature {
         Self::Lens,
         Self::Surfaces,
         Self::LocalLights,
+        Self::Emission,
         Self::DetailedMedia,
         Self::EquiAngular,
         Self::Scattering,
@@ -77,6 +80,7 @@ impl Feature {
             Self::Lens => "lens",
             Self::Surfaces => "surfaces",
             Self::LocalLights => "local-lights",
+            Self::Emission => "emission",
             Self::DetailedMedia => "detailed-media",
             Self::EquiAngular => "equi-angular",
             Self::Scattering => "scattering",
@@ -90,7 +94,7 @@ impl Feature {
     pub const fn can_be_kept(self) -> bool {
         !matches!(
             self,
-            Self::NextEvent | Self::Lens | Self::LocalLights | Self::DetailedMedia
+            Self::NextEvent | Self::Lens | Self::LocalLights | Self::Emission | Self::DetailedMedia
         )
     }
 
