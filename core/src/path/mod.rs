@@ -22,19 +22,25 @@
 //! lanes, and one lane simply follows the arrows.
 
 mod absorption;
+mod bricks;
 mod counts;
 mod geometry;
 mod media;
+mod one_grid;
 mod source;
 mod state;
 
 pub use absorption::{absorb, sample_of};
+pub use bricks::{
+    BRICK, BRICK_SAMPLES, Bricks, Exact, brick_counts, code, code_floor, half_to_single,
+};
 pub use counts::Counts;
 pub use geometry::{Convex, Geometry, Stretch};
 pub use media::{
-    Atlas, Decided, MediumRecord, OneGrid, OneHomogeneous, Optics, PathMedium, RECORD_WORDS,
-    RecordKind, Tapped,
+    Atlas, Decided, MediumRecord, OneHomogeneous, Optics, PathMedium, RECORD_WORDS, RecordKind,
+    Tapped,
 };
+pub use one_grid::{OneGrid, Store};
 pub use source::{BlackBodies, Field, Radiance, Shining, Source};
 pub use state::{Paths, Stage};
 

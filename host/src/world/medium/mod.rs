@@ -8,6 +8,7 @@
 
 mod assembly;
 mod blackbody;
+mod bounds;
 mod cells;
 mod cloud;
 mod details;
