@@ -28,6 +28,7 @@ use woodcock_core::vec3::Vec3;
 use crate::bsdf::Materials;
 use crate::integrator::Stretch;
 use crate::integrator::glow::Glow;
+use crate::integrator::room::Blueprint;
 use crate::light::Lights as Lighting;
 use crate::ray::Ray;
 use crate::surface::Surfaces;
@@ -86,6 +87,8 @@ pub struct World {
     pub lighting: Lighting,
     /// Media that shine, as lights.
     pub(crate) glow: Option<Glow>,
+    /// The tables of a scene that is a room.
+    pub(crate) room: Option<Blueprint>,
     /// The largest extinction of each medium, by its bounds [1/length].
     pub(crate) thickest: Vec<f64>,
     /// The diameter of what bounds the media \[length\]; infinite where one fills space.
@@ -271,6 +274,7 @@ pub fn assemble(scene: &Scene, files: &dyn Files, options: &Options) -> Result<W
         keep,
         &mut needs,
     );
+    let room = room(scene, origin, (&assembled.media, &place), keep, &mut needs);
     let (distant, environment) = lights(scene)?;
     let records = assembled
         .media
@@ -304,7 +308,29 @@ pub fn assemble(scene: &Scene, files: &dyn Files, options: &Options) -> Result<W
         materials,
         lighting,
         glow,
+        room,
     })
+}
+
+/// The tables of a scene that is a room, and the row that says whether it is one.
+fn room(
+    scene: &Scene,
+    origin: DVec3,
+    (media, place): (&[Medium], &Location),
+    keep: &[Feature],
+    needs: &mut Needs,
+) -> Option<Blueprint> {
+    if scene.surfaces.is_empty() && scene.instances.is_empty() {
+        needs.decide(Feature::DetailedSurfaces, false, keep, "no surfaces");
+        return None;
+    }
+    let room = Blueprint::new(scene, origin, media, place);
+    let reason = match &room {
+        Ok(room) => room.summary(),
+        Err(refusal) => (*refusal).to_owned(),
+    };
+    needs.decide(Feature::DetailedSurfaces, room.is_err(), keep, reason);
+    room.ok()
 }
 
 /// What only scalar integrators do.

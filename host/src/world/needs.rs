@@ -27,6 +27,8 @@ pub enum Feature {
     Lens,
     /// Surfaces with matter or light, and the scalar path tracer that meets them.
     Surfaces,
+    /// Surfaces and lamps of any kind and number, in double precision: what is no [room](woodcock_core::room).
+    DetailedSurfaces,
     /// Lights at places, and pictures of the sky.
     LocalLights,
     /// Media that shine, change colour from place to place, or scatter by other laws than two.
@@ -37,7 +39,7 @@ pub enum Feature {
 
 impl Feature {
     /// All of them, in the order of the table.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Self::Tracking,
         Self::Chromatic,
         Self::SeveralMedia,
@@ -47,6 +49,7 @@ impl Feature {
         Self::Rayleigh,
         Self::Lens,
         Self::Surfaces,
+        Self::DetailedSurfaces,
         Self::LocalLights,
         Self::DetailedMedia,
         Self::EquiAngular,
@@ -64,6 +67,7 @@ impl Feature {
             Self::Rayleigh => "rayleigh",
             Self::Lens => "lens",
             Self::Surfaces => "surfaces",
+            Self::DetailedSurfaces => "detailed-surfaces",
             Self::LocalLights => "local-lights",
             Self::DetailedMedia => "detailed-media",
             Self::EquiAngular => "equi-angular",
