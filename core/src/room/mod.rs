@@ -17,10 +17,11 @@
 //! makes the room must refuse.
 
 mod lamp;
+mod nearness;
 mod piece;
 mod walk;
 
-pub use lamp::{Lamp, LampLight};
+pub use lamp::{Lamp, LampLight, Outline, Sheet};
 pub use piece::{Ball, Flat, Matter};
 pub use walk::Walks;
 
@@ -50,8 +51,14 @@ pub struct Fog {
 /// Everything that a path in a room can meet.
 #[derive(Clone, Copy, Debug)]
 pub struct Room<'a> {
-    /// Plane pieces; those that shine come first.
+    /// Plane pieces: those that shine, then others, then the [`walls`](Self::walls).
     pub flats: &'a [Flat],
+    /// How many of the last flats are walls: they have all pieces and lamps at places on one side.
+    ///
+    /// Nothing between two places on that side can be hidden by them.
+    pub walls: u32,
+    /// Whether the camera is on that side of all walls.
+    pub camera_within: bool,
     /// Balls; they do not shine.
     pub balls: &'a [Ball],
     /// What the pieces are made of: the flats, then the balls; see [`Matter::words`].

@@ -21,10 +21,15 @@ fn single(v: [f64; 3]) -> [f32; 3] {
     v.map(|c| c as f32)
 }
 
-/// A parallelogram or a triangle.
+/// A parallelogram or a triangle, grown by [`GROWTH`].
 ///
-/// A place p of its plane has the coordinates u = a·p − a₀ and v = b·p − b₀ along its two edges, by the dual basis
-/// a = f × n / |n|², b = n × e / |n|² of the edges e and f and their product n.
+/// With the dual basis a = f × n / |n|², b = n × e / |n|² of its edges e and f and their product n, a place p of its plane
+/// has the coordinates u = a·p − a₀ and v = b·p − b₀. They are scaled and shifted so that the piece is
+///
+/// ```text
+/// max(|u|, |v|) ≤ 1       a parallelogram
+/// min(u, v, 1 − u − v) ≥ 0        a triangle
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Flat {
     normal: [f32; 3],
@@ -34,9 +39,6 @@ pub struct Flat {
     from_u: f32,
     along_v: [f32; 3],
     from_v: f32,
-    /// Least u and v, and largest (of a triangle: of their sum).
-    least: [f32; 2],
-    most: [f32; 2],
     triangle: bool,
 }
 
@@ -52,24 +54,26 @@ impl Flat {
         let squared = dot(n, n);
         let unit = n.map(|c| c / libm::sqrt(squared));
         let dual = |v: [f64; 3]| v.map(|c| c / squared);
-        let (along_u, along_v) = (dual(cross(f, n)), dual(cross(n, e)));
+        let (a, b) = (dual(cross(f, n)), dual(cross(n, e)));
+        // By what a coordinate grows where the piece does.
         let slack = |along: [f64; 3]| libm::sqrt(dot(along, along)) * f64::from(GROWTH) * size;
-        let slack = [slack(along_u), slack(along_v)];
-        let both = slack[0] + slack[1];
-        let most = if triangle {
-            [1.0 + both; 2]
+        let (at_u, at_v) = (slack(a), slack(b));
+        // From 0 to 1 of the piece, to what is kept: (u + shift) · factor.
+        let [(shift_u, factor_u), (shift_v, factor_v)] = if triangle {
+            let third = slack([0, 1, 2].map(|i| a[i] + b[i]));
+            let factor = 1.0 / (1.0 + at_u + at_v + third);
+            [(at_u, factor), (at_v, factor)]
         } else {
-            slack.map(|s| 1.0 + s)
+            [at_u, at_v].map(|slack| (-0.5, 2.0 / (1.0 + 2.0 * slack)))
         };
+        let scaled = |along: [f64; 3], factor: f64| single(along.map(|c| c * factor));
         let flat = Self {
             normal: single(unit),
             height: dot(unit, corner) as f32,
-            along_u: single(along_u),
-            from_u: dot(along_u, corner) as f32,
-            along_v: single(along_v),
-            from_v: dot(along_v, corner) as f32,
-            least: slack.map(|s| -s as f32),
-            most: most.map(|m| m as f32),
+            along_u: scaled(a, factor_u),
+            from_u: ((dot(a, corner) - shift_u) * factor_u) as f32,
+            along_v: scaled(b, factor_v),
+            from_v: ((dot(b, corner) - shift_v) * factor_v) as f32,
             triangle,
         };
         let numbers = [flat.height, flat.from_u, flat.from_v];
@@ -91,21 +95,13 @@ impl Flat {
         let place = ray.at(t);
         let u = Vec3::splat(self.along_u).dot(place) - R::splat(self.from_u);
         let v = Vec3::splat(self.along_v).dot(place) - R::splat(self.from_v);
-        let [least_u, least_v] = self.least.map(R::splat);
-        let [most_u, most_v] = self.most.map(R::splat);
-        let (x, y) = if self.triangle {
-            (u + v, u + v)
+        let within = if self.triangle {
+            R::zero().le(u.min(v).min(R::one() - u - v))
         } else {
-            (u, v)
+            u.abs().max(v.abs()).le(R::one())
         };
         // Along the plane t is infinite or no number, and so nothing is met.
-        let met = R::zero().lt(t)
-            & t.lt(bound)
-            & least_u.le(u)
-            & least_v.le(v)
-            & x.le(most_u)
-            & y.le(most_v);
-        (t, met)
+        (t, R::zero().lt(t) & t.lt(bound) & within)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use core::f32::consts::PI;
 
-use super::lamp::{self, Seen};
+use super::lamp::{Lamp, Seen};
 use super::piece::Spot;
 use super::{Fog, Room};
 use crate::collision;
@@ -15,7 +15,7 @@ use crate::transmittance::analytic;
 use crate::vec3::Vec3;
 
 /// Below this throughput a path plays roulette, and survives with it.
-const ROULETTE: f32 = 0.25;
+const ROULETTE: f32 = 0.5;
 /// A density that no competing strategy comes near.
 const CERTAIN: f32 = 1e30;
 /// No piece.
@@ -32,10 +32,26 @@ pub struct Walks<R: Real, S> {
     pdf: R,
     /// The ball that the ray begins on.
     ball: R::Word,
+    /// How the ray's beginning was found, where that was in fog.
+    found: Flown<R>,
+    from_fog: R::Mask,
+    /// Whether the ray's beginning is known to be on the inner side of all walls.
+    enclosed: R::Mask,
     depth: R::Word,
     running: R::Mask,
     touched: R::Mask,
     counts: Counts,
+}
+
+/// A flight through fog: where else its end could have been found.
+#[derive(Clone, Copy, Debug)]
+struct Flown<R> {
+    ray: Ray<R>,
+    /// Where the ray enters the fog, and how far it goes through it \[length\].
+    begins: R,
+    length: R,
+    /// Where the flight ended, from there \[length\].
+    flight: R,
 }
 
 /// Where a path changes direction.
@@ -47,11 +63,39 @@ struct Site<R: Real> {
     ball: R::Word,
     /// On a piece the unit normal on the side that the path came from; in fog the direction of travel.
     axis: Vec3<R>,
+    /// The part of light that goes on, by colour.
+    albedo: Vec3<R>,
     in_fog: R::Mask,
     g: f32,
 }
 
 impl<R: Real> Site<R> {
+    /// Where nothing is.
+    #[inline(always)]
+    fn nowhere() -> Self {
+        let zero = Vec3::uniform(0.0);
+        Self {
+            origin: zero,
+            ball: R::Word::splat(NONE),
+            axis: zero,
+            albedo: zero,
+            in_fog: R::Mask::splat(false),
+            g: 0.0,
+        }
+    }
+
+    /// Becomes the end of a flight in the given lanes.
+    #[inline(always)]
+    fn enter_fog(&mut self, fog: &Fog, way: &Flown<R>, lanes: R::Mask) {
+        let point = way.ray.at(way.begins + way.flight);
+        self.origin = Vec3::select(lanes, point, self.origin);
+        self.ball = R::Word::select(lanes, R::Word::splat(NONE), self.ball);
+        self.axis = Vec3::select(lanes, way.ray.direction, self.axis);
+        self.albedo = Vec3::select(lanes, Vec3::splat(fog.albedo), self.albedo);
+        self.in_fog = lanes;
+        self.g = fog.g;
+    }
+
     /// What of light from a direction goes on to where the path came from, over the reflectance or the albedo [1/sr]; also
     /// the density of [`sample`](Self::sample): on pieces cos θ / π, in fog the phase function.
     #[inline(always)]
@@ -88,6 +132,26 @@ impl Fog {
         let length = interval.t1.min(t) - interval.t0;
         (length.max(R::zero()), interval.t0)
     }
+
+    /// The density with which a lamp's scattering is placed on a flight's way, over that of the flight; see
+    /// [`Walks::scatter_once`].
+    #[inline(always)]
+    fn placing<R: Real>(&self, lamp: &Lamp, way: &Flown<R>) -> R {
+        let sigma_t = R::splat(self.sigma_t);
+        let by_flight = R::one() / self.blocked(way.length);
+        let Some((nearness, nearest)) = lamp.nearness(&way.ray, way.begins, way.length) else {
+            return by_flight;
+        };
+        let density = nearness.density(way.begins + way.flight - nearest);
+        let by_nearness = density * (sigma_t * way.flight).exp() / sigma_t;
+        R::splat(0.5) * (by_flight + by_nearness)
+    }
+
+    /// The chance of a collision within a length.
+    #[inline(always)]
+    fn blocked<R: Real>(&self, length: R) -> R {
+        -(-(R::splat(self.sigma_t) * length)).exp_m1()
+    }
 }
 
 impl Room<'_> {
@@ -112,11 +176,38 @@ impl Room<'_> {
         (t, piece)
     }
 
-    /// Whether any piece lies at 0 < t < `t_max`.
+    /// How many of the flats are no walls.
     #[inline(always)]
-    fn occluded<R: Real>(&self, ray: &Ray<R>, ball: R::Word, t_max: R) -> R::Mask {
+    fn others(&self) -> usize {
+        self.flats.len() - (self.walls as usize).min(self.flats.len())
+    }
+
+    /// Whether a piece is a wall.
+    #[inline(always)]
+    fn is_wall<R: Real>(&self, piece: R::Word) -> R::Mask {
+        let below = |end: usize| piece.lt(R::Word::splat(end as u32));
+        below(self.flats.len()).and_not(below(self.others()))
+    }
+
+    /// Whether any piece lies at 0 < t < `t_max`.
+    ///
+    /// * `enclosed`: rays of which all of that part lies on the inner side of all walls.
+    #[inline(always)]
+    fn occluded<R: Real>(
+        &self,
+        ray: &Ray<R>,
+        ball: R::Word,
+        t_max: R,
+        enclosed: R::Mask,
+    ) -> R::Mask {
         let mut occluded = R::Mask::splat(false);
-        for flat in self.flats {
+        if !enclosed.all() {
+            for flat in self.flats.iter().skip(self.others()) {
+                occluded = occluded | flat.meet(ray, t_max).1;
+            }
+            occluded = occluded.and_not(enclosed);
+        }
+        for flat in self.flats.iter().take(self.others()) {
             occluded = occluded | flat.meet(ray, t_max).1;
         }
         for (index, shape) in (self.flats.len() as u32..).zip(self.balls) {
@@ -142,6 +233,17 @@ impl<R: Real, S: KeyedStream<R>> Walks<R, S> {
             radiance: zero,
             pdf: R::zero(),
             ball: R::Word::splat(NONE),
+            found: Flown {
+                ray: Ray {
+                    origin: zero,
+                    direction: zero,
+                },
+                begins: R::zero(),
+                length: R::zero(),
+                flight: R::zero(),
+            },
+            from_fog: none,
+            enclosed: none,
             depth: R::Word::splat(0),
             running: none,
             touched: none,
@@ -188,15 +290,17 @@ impl<R: Real, S: KeyedStream<R>> Walks<R, S> {
         self.ball = R::Word::select(lanes, R::Word::splat(NONE), self.ball);
         self.depth = R::Word::select(lanes, R::Word::splat(0), self.depth);
         self.touched = self.touched.and_not(lanes);
+        self.from_fog = self.from_fog.and_not(lanes);
+        let within = lanes & R::Mask::splat(room.camera_within);
+        self.enclosed = self.enclosed.and_not(lanes) | within;
         self.running = self.running | lanes;
         self.counts.paths += u64::from(lanes.count());
     }
 
-    /// Adds what the lanes of a mask see, dimmed by their throughput.
+    /// Adds light that arrives in the lanes of a mask.
     #[inline(always)]
-    fn score(&mut self, lanes: R::Mask, seen: Vec3<R>) {
-        let radiance = self.radiance + self.throughput.times(seen);
-        self.radiance = Vec3::select(lanes, radiance, self.radiance);
+    fn score(&mut self, lanes: R::Mask, light: Vec3<R>) {
+        self.radiance = Vec3::select(lanes, self.radiance + light, self.radiance);
     }
 
     /// Moves every path from one vertex to the next.
@@ -205,52 +309,80 @@ impl<R: Real, S: KeyedStream<R>> Walks<R, S> {
         let lanes = self.running;
         self.counts.steps += 1;
         self.counts.busy_lanes += u64::from(lanes.count());
+        let may_scatter = lanes.and_not(self.depth.eq(R::Word::splat(room.max_depth)));
         let (t_piece, piece) = room.nearest(&self.ray, self.ball);
-        let mut t = t_piece;
+        // What lies before a piece is as enclosed as the ray's beginning.
+        let on_piece = t_piece.lt(R::splat(FAR)) & lanes;
+        self.enclosed = (self.enclosed & on_piece) | !lanes;
+        let mut way = Flown {
+            ray: self.ray,
+            begins: R::zero(),
+            length: R::zero(),
+            flight: R::zero(),
+        };
+        let mut through = R::one();
         let mut in_fog = R::Mask::splat(false);
         if let Some(fog) = &room.fog {
-            let (length, begins) = fog.within(&self.ray, t_piece);
-            let flight = self.stream.exponential(lanes) * R::splat(1.0 / fog.sigma_t);
-            in_fog = flight.lt(length) & lanes;
-            t = R::select(in_fog, begins + flight, t);
+            let sigma_t = R::splat(fog.sigma_t);
+            (way.length, way.begins) = fog.within(&self.ray, t_piece);
+            through = analytic::through(sigma_t, way.length);
+            let foggy = R::zero().lt(way.length) & may_scatter;
+            if foggy.any() {
+                self.scatter_once(room, fog, &way, foggy);
+            }
+            way.flight = self.stream.exponential(lanes) * R::splat(1.0 / fog.sigma_t);
+            in_fog = way.flight.lt(way.length) & lanes;
             let collided = u64::from(in_fog.count());
             self.counts.tentative_collisions += collided;
             self.counts.real_collisions += collided;
         }
-        let escaped = lanes.and_not(in_fog | t_piece.lt(R::splat(FAR)));
-        if escaped.any() {
-            self.score(escaped, Vec3::splat(room.environment));
+        // What lies behind the fog is scored for every path; whether it goes on from there is the flight's affair.
+        let beyond = lanes.and_not(on_piece);
+        if beyond.any() {
+            let sky = Vec3::splat(room.environment) * through;
+            self.score(beyond, self.throughput.times(sky));
         }
-        let met = lanes.and_not(escaped);
-        let on_piece = met.and_not(in_fog);
-        self.touched = self.touched | met;
-        self.find_lamps(room, piece, t, on_piece);
-        let going = met.and_not(self.depth.eq(R::Word::splat(room.max_depth)));
-        self.depth = self.depth + R::Word::from_mask(going);
-        if !going.any() {
-            self.running = going;
+        self.touched = self.touched | on_piece | in_fog;
+        self.find_lamps(room, piece, t_piece, through, on_piece);
+        if !may_scatter.any() {
+            self.running = may_scatter;
             return;
         }
-        let site = self.arrive(room, piece, t, in_fog);
-        let going = going & R::zero().lt(self.throughput.max_component());
-        if going.any() {
-            self.look_for_light(room, &site, going);
+        let before = self.enclosed;
+        // Walls have an outside.
+        self.enclosed = before | !room.is_wall::<R>(piece);
+        let mut site = self.at_piece(room, piece, t_piece);
+        let reflected = on_piece & may_scatter & R::zero().lt(site.albedo.max_component());
+        if reflected.any() {
+            let throughput = self.throughput.times(site.albedo) * through;
+            self.reflect_once(room, &site, throughput, reflected);
         }
-        let going = self.survive(going);
+        if let Some(fog) = &room.fog {
+            site.enter_fog(fog, &way, in_fog);
+            self.enclosed = (before & in_fog) | self.enclosed.and_not(in_fog);
+        }
+        self.depth = self.depth + R::Word::from_mask(may_scatter);
+        self.throughput = self.throughput.times(site.albedo);
+        let going = self.survive((on_piece | in_fog) & may_scatter);
         if going.any() {
             let (u, turn) = (self.stream.uniform(going), self.stream.uniform(going));
             let (direction, pdf) = site.sample(u, turn);
-            self.ray.direction = Vec3::select(going, direction, self.ray.direction);
-            self.ray.origin = Vec3::select(going, site.origin, self.ray.origin);
+            let onward = Ray {
+                origin: site.origin,
+                direction,
+            };
+            self.ray = Ray::select(going, &onward, &self.ray);
             self.pdf = R::select(going, pdf, self.pdf);
             self.ball = R::Word::select(going, site.ball, self.ball);
+            self.found = way;
+            self.from_fog = in_fog;
         }
         self.running = going;
     }
 
     /// Scores lamps that paths found by themselves, times their share.
     #[inline(always)]
-    fn find_lamps(&mut self, room: &Room<'_>, piece: R::Word, t: R, on_piece: R::Mask) {
+    fn find_lamps(&mut self, room: &Room<'_>, piece: R::Word, t: R, through: R, on_piece: R::Mask) {
         let shining = piece.lt(R::Word::splat(room.shining)) & on_piece;
         if !shining.any() {
             return;
@@ -258,57 +390,133 @@ impl<R: Real, S: KeyedStream<R>> Walks<R, S> {
         let lamps = room.lamps.iter().take(room.shining as usize);
         for (index, lamp) in (0..).zip(lamps) {
             let this = piece.eq(R::Word::splat(index)) & shining;
+            if !this.any() {
+                continue;
+            }
+            let (radiance, mut competing) = lamp.found(&self.ray, t);
+            let placed = this & self.from_fog;
+            if let Some(fog) = room.fog.as_ref().filter(|_| placed.any()) {
+                let placing = fog.placing(lamp, &self.found);
+                competing = R::select(placed, competing * placing, competing);
+            }
+            let share = self.pdf / (self.pdf + competing);
+            self.score(this, self.throughput.times(radiance) * (through * share));
+        }
+    }
+
+    /// The piece where rays end: what it would do to them.
+    #[inline(always)]
+    fn at_piece(&self, room: &Room<'_>, piece: R::Word, t: R) -> Site<R> {
+        let spot = Spot::look(room.matter, piece, self.ray.at(t));
+        let behind = R::zero().lt(spot.normal.dot(self.ray.direction));
+        let normal = Vec3::select(behind, -spot.normal, spot.normal);
+        Site {
+            origin: spot.point + normal * R::splat(room.step),
+            ball: R::Word::select(spot.round, piece, R::Word::splat(NONE)),
+            axis: normal,
+            albedo: spot.reflectance,
+            in_fog: R::Mask::splat(false),
+            g: 0.0,
+        }
+    }
+
+    /// Chooses a lamp for each lane. One draw if there are several.
+    #[inline(always)]
+    fn choose(&mut self, room: &Room<'_>, lanes: R::Mask) -> R::Word {
+        let mut chosen = R::Word::splat(0);
+        if room.lamps.len() > 1 {
+            let u = self.stream.uniform(lanes);
+            let mut below = 0.0;
+            for lamp in room.lamps.iter().take(room.lamps.len() - 1) {
+                below += lamp.choice;
+                chosen = chosen + R::Word::from_mask(R::splat(below).le(u));
+            }
+        }
+        chosen
+    }
+
+    /// Scores light of one lamp that a piece reflects to where the path came from.
+    #[inline(always)]
+    fn reflect_once(
+        &mut self,
+        room: &Room<'_>,
+        site: &Site<R>,
+        throughput: Vec3<R>,
+        lanes: R::Mask,
+    ) {
+        if room.lamps.is_empty() {
+            return;
+        }
+        let chosen = self.choose(room, lanes);
+        let uv = [self.stream.uniform(lanes), self.stream.uniform(lanes)];
+        for (index, lamp) in (0..).zip(room.lamps) {
+            let this = chosen.eq(R::Word::splat(index)) & lanes;
             if this.any() {
-                let (radiance, competing) = lamp.found(self.ray.direction, t);
-                let share = self.pdf / (self.pdf + competing);
-                self.score(this, radiance * share);
+                let seen = lamp.look(site.origin, uv, room.step);
+                let value = site.value(seen.direction);
+                let over = R::select(R::zero().lt(seen.pdf), seen.pdf + value, R::one());
+                self.arrive(room, site, &seen, throughput * (value / over), this);
             }
         }
     }
 
-    /// Comes to where the ray ends: throughput pays for what is absorbed there.
+    /// Scores light of one lamp that is scattered once on the way through the fog.
+    ///
+    /// The place is chosen half by a flight that must collide, half by nearness to the lamp. With both, a flight that
+    /// ends at the place and then meets the lamp shares by the balance heuristic: all have σ e^−σs in common, so
+    /// that only the ratio of densities ([`Fog::placing`]) enters.
     #[inline(always)]
-    fn arrive(&mut self, room: &Room<'_>, piece: R::Word, t: R, in_fog: R::Mask) -> Site<R> {
-        let near = self.ray.at(t);
-        let direction = self.ray.direction;
-        let spot = Spot::look(room.matter, piece, near);
-        let behind = R::zero().lt(spot.normal.dot(direction));
-        let normal = Vec3::select(behind, -spot.normal, spot.normal);
-        let origin = spot.point + normal * R::splat(room.step);
-        let round = spot.round.and_not(in_fog);
-        let none = R::Word::splat(NONE);
-        let mut site = Site {
-            origin,
-            ball: R::Word::select(round, piece, none),
-            axis: normal,
-            in_fog,
-            g: 0.0,
-        };
-        let mut albedo = spot.reflectance;
-        if let Some(fog) = &room.fog {
-            site.origin = Vec3::select(in_fog, near, site.origin);
-            site.axis = Vec3::select(in_fog, direction, site.axis);
-            site.g = fog.g;
-            albedo = Vec3::select(in_fog, Vec3::splat(fog.albedo), albedo);
-        }
-        self.throughput = self.throughput.times(albedo);
-        site
-    }
-
-    /// Samples one light, and scores what of it arrives and goes on along the path.
-    #[inline(always)]
-    fn look_for_light(&mut self, room: &Room<'_>, site: &Site<R>, lanes: R::Mask) {
+    fn scatter_once(&mut self, room: &Room<'_>, fog: &Fog, way: &Flown<R>, lanes: R::Mask) {
         if room.lamps.is_empty() {
             return;
         }
-        let seen: Seen<R> =
-            lamp::sample(room.lamps, site.origin, room.step, &mut self.stream, lanes);
-        let value = site.value(seen.direction);
-        // Over the density of the sample and times its share; of what only sampling finds, over nothing.
-        let found = R::zero().lt(seen.pdf);
-        let weight = R::select(found, value / (seen.pdf + value), value);
-        let mut lit = seen.radiance * weight;
-        let lanes = R::zero().lt(lit.max_component()) & lanes;
+        let chosen = self.choose(room, lanes);
+        let u = self.stream.uniform(lanes);
+        let uv = [self.stream.uniform(lanes), self.stream.uniform(lanes)];
+        // One number says which, and its rest where.
+        let twice = u + u;
+        let near = R::one().le(twice);
+        let rest = R::select(near, twice - R::one(), twice);
+        let by_flight = (rest * fog.blocked(way.length)).neg_ln_1m() * R::splat(1.0 / fog.sigma_t);
+        for (index, lamp) in (0..).zip(room.lamps) {
+            let this = chosen.eq(R::Word::splat(index)) & lanes;
+            if !this.any() {
+                continue;
+            }
+            let mut way = *way;
+            way.flight = match lamp.nearness(&way.ray, way.begins, way.length) {
+                Some((nearness, nearest)) => {
+                    let by_nearness = nearness.sample(rest) + nearest - way.begins;
+                    R::select(near, by_nearness, by_flight)
+                }
+                // All by a flight.
+                None => (u * fog.blocked(way.length)).neg_ln_1m() * R::splat(1.0 / fog.sigma_t),
+            };
+            way.flight = way.flight.max(R::zero()).min(way.length);
+            let mut site = Site::nowhere();
+            site.enter_fog(fog, &way, R::Mask::splat(true));
+            let seen = lamp.look(site.origin, uv, room.step);
+            let value = site.value(seen.direction);
+            let placing = fog.placing(lamp, &way);
+            let found = R::zero().lt(seen.pdf);
+            let over = R::select(found, seen.pdf * placing + value, placing);
+            let throughput = self.throughput.times(site.albedo) * (value / over);
+            self.arrive(room, &site, &seen, throughput, this);
+        }
+    }
+
+    /// Scores what of a lamp's light arrives at a site.
+    #[inline(always)]
+    fn arrive(
+        &mut self,
+        room: &Room<'_>,
+        site: &Site<R>,
+        seen: &Seen<R>,
+        throughput: Vec3<R>,
+        lanes: R::Mask,
+    ) {
+        let mut light = throughput.times(seen.radiance);
+        let lanes = R::zero().lt(light.max_component()) & lanes;
         if !lanes.any() {
             return;
         }
@@ -316,18 +524,22 @@ impl<R: Real, S: KeyedStream<R>> Walks<R, S> {
             origin: site.origin,
             direction: seen.direction,
         };
-        let open = lanes.and_not(room.occluded(&ray, site.ball, seen.distance));
+        let near = seen.distance.lt(R::splat(FAR));
+        let enclosed = (self.enclosed & near) | !lanes;
+        let hidden = room.occluded(&ray, site.ball, seen.distance, enclosed);
+        let open = lanes.and_not(hidden);
         if let Some(fog) = &room.fog {
             let (length, _) = fog.within(&ray, seen.distance);
-            lit = lit * analytic::through(R::splat(fog.sigma_t), length);
+            light = light * analytic::through(R::splat(fog.sigma_t), length);
         }
-        self.score(open, lit);
+        self.score(open, light);
     }
 
     /// Roulette on throughput.
     #[inline(always)]
     fn survive(&mut self, lanes: R::Mask) -> R::Mask {
         let largest = self.throughput.max_component();
+        let lanes = lanes & R::zero().lt(largest);
         let factor = collision::roulette(largest, R::splat(ROULETTE), &mut self.stream, lanes);
         self.throughput = self.throughput * factor;
         lanes & R::zero().lt(factor)

@@ -3,11 +3,11 @@
 use std::f64::consts::PI;
 
 use glam::{DMat3, DVec3};
-use woodcock_core::room::{Ball, Flat, Fog, Lamp, LampLight, Matter, Room};
+use woodcock_core::room::{Ball, Flat, Fog, Lamp, LampLight, Matter, Room, Sheet};
 
 use super::flats::{self, Piece};
 use crate::render::Plan;
-use crate::scene::{Light, MaterialKind, Scene, Shape, Surface, Texture};
+use crate::scene::{Light, MaterialKind, Projection, Scene, Shape, Surface, Texture};
 use crate::world::{Location, Medium, PhaseFunction, World};
 
 /// Most pieces that every ray is compared with; beyond that a tree is faster.
@@ -27,6 +27,8 @@ pub(crate) struct Blueprint {
     matter: Vec<f32>,
     lamps: Vec<Lamp>,
     shining: u32,
+    walls: u32,
+    camera_within: bool,
     fog: Option<Fog>,
     step: f32,
 }
@@ -75,20 +77,22 @@ impl Blueprint {
                 return Err("more pieces than are met one by one");
             }
         }
-        // Those that shine come first, and balls last.
-        made.sort_by_key(|m| (matches!(m.shape, MadeShape::Ball(..)), m.emission.is_none()));
         let size = size(scene, origin, &made);
         check_sizes(&made, size)?;
+        let walls = Walls::new(scene, origin, &made, size);
+        // Those that shine come first, then others, walls, and balls.
+        made.sort_by_key(|m| {
+            let ball = matches!(m.shape, MadeShape::Ball(..));
+            (ball, walls.has(m), m.emission.is_none())
+        });
         let fog = fog(media, place)?;
         let lamps = lamps(scene, origin, &made, size)?;
-        let in_fog = fog.is_some() && lamps.iter().any(|l| matches!(l.light, LampLight::Point(_)));
-        if in_fog {
-            return Err("points that shine in a medium, near which distances are sampled");
-        }
         let mut blueprint = Self {
             flats: Vec::new(),
             balls: Vec::new(),
             matter: Vec::new(),
+            walls: made.iter().filter(|m| walls.has(m)).count() as u32,
+            camera_within: made.iter().all(|m| walls.hold_camera(m)),
             shining: made.iter().filter(|m| m.emission.is_some()).count() as u32,
             lamps,
             fog,
@@ -142,6 +146,8 @@ impl Blueprint {
             matter: &self.matter,
             lamps: &self.lamps,
             shining: self.shining,
+            walls: self.walls,
+            camera_within: self.camera_within,
             environment: world.environment,
             fog: self.fog,
             camera: &world.camera,
@@ -249,15 +255,101 @@ fn size(scene: &Scene, origin: DVec3, made: &[Made]) -> f64 {
             MadeShape::Ball(centre, radius) => add(centre.abs() + radius),
         }
     }
-    let camera = &scene.camera;
-    let lens = camera.lens_radius * camera.camera_to_world.matrix3.x_axis.length();
-    add((camera.camera_to_world.translation - origin).abs() + lens);
+    let (place, radius) = camera(scene, origin);
+    add(place.abs()
+        + if radius.is_finite() {
+            radius
+        } else {
+            film(scene)
+        });
     for light in &scene.lights {
         if let Light::Point(point) = light {
             add(point.position - origin);
         }
     }
     size
+}
+
+/// How far the corners of a film of parallel rays are from its middle, at most.
+fn film(scene: &Scene) -> f64 {
+    let window = &scene.camera.screen_window;
+    let reach = |a: f64, b: f64| a.abs().max(b.abs());
+    let unit = scene.camera.camera_to_world.matrix3.x_axis.length();
+    unit * (reach(window.x_min, window.x_max) + reach(window.y_min, window.y_max))
+}
+
+/// Which pieces have everything on one side.
+struct Walls {
+    /// All corners, lamps at points, and balls with their radius.
+    places: Vec<(DVec3, f64)>,
+    camera: (DVec3, f64),
+    /// What is as good as no distance.
+    near: f64,
+}
+
+impl Walls {
+    fn new(scene: &Scene, origin: DVec3, made: &[Made], size: f64) -> Self {
+        let mut places = Vec::new();
+        for made in made {
+            match made.shape {
+                MadeShape::Flat(piece) => {
+                    places.extend(piece.corners().into_iter().map(|p| (p, 0.0)));
+                }
+                MadeShape::Ball(centre, radius) => places.push((centre, radius)),
+            }
+        }
+        for light in &scene.lights {
+            if let Light::Point(point) = light {
+                places.push((point.position - origin, 0.0));
+            }
+        }
+        Self {
+            places,
+            camera: camera(scene, origin),
+            near: f64::from(woodcock_core::room::STEP) * size,
+        }
+    }
+
+    /// Whether a piece has all places on one side: 1 or −1 for that of its normal or the other, if so.
+    fn side(&self, made: &Made) -> Option<f64> {
+        let (MadeShape::Flat(piece), None) = (&made.shape, made.emission) else {
+            return None;
+        };
+        let normal = piece.normal().normalize_or_zero();
+        let all_on = |side: f64| {
+            let ahead = |(place, radius): &(DVec3, f64)| {
+                side * (*place - piece.corner).dot(normal) >= radius - self.near
+            };
+            self.places.iter().all(ahead)
+        };
+        [1.0, -1.0].into_iter().find(|side| all_on(*side))
+    }
+
+    fn has(&self, made: &Made) -> bool {
+        self.side(made).is_some()
+    }
+
+    /// Whether a piece is no wall, or one that has the camera on the side of all else.
+    fn hold_camera(&self, made: &Made) -> bool {
+        let (MadeShape::Flat(piece), Some(side)) = (&made.shape, self.side(made)) else {
+            return true;
+        };
+        let (camera, radius) = self.camera;
+        let normal = piece.normal().normalize_or_zero();
+        side * (camera - piece.corner).dot(normal) >= radius + self.near
+    }
+}
+
+/// Where the camera is, and how large.
+fn camera(scene: &Scene, origin: DVec3) -> (DVec3, f64) {
+    let camera = &scene.camera;
+    let unit = camera.camera_to_world.matrix3.x_axis.length();
+    // Parallel rays begin anywhere on the film.
+    let radius = match camera.projection {
+        Projection::Perspective { .. } => camera.lens_radius * unit,
+        Projection::Orthographic => f64::INFINITY,
+    };
+    (camera.camera_to_world.translation - origin, radius)
 }
 
 fn check_sizes(made: &[Made], size: f64) -> Result<(), Refusal> {
@@ -325,14 +417,9 @@ fn lamps(scene: &Scene, origin: DVec3, made: &[Made], size: f64) -> Result<Vec<L
     for made in made {
         if let (MadeShape::Flat(piece), Some((radiance, two_sided))) = (&made.shape, made.emission)
         {
-            let light = LampLight::Flat {
-                corner: single(piece.corner),
-                edges: piece.edges.map(single),
-                normal: single(piece.normal().normalize_or_zero()),
-                triangle: piece.triangle,
-                two_sided,
-                area: piece.area() as f32,
-            };
+            let edges = piece.edges.map(|edge| edge.to_array());
+            let sheet = Sheet::new(piece.corner.to_array(), edges, piece.triangle, two_sided);
+            let light = LampLight::Flat(sheet.ok_or("numbers beyond single precision")?);
             let sides = if two_sided { 2.0 } else { 1.0 };
             found.push((light, radiance, PI * mean(radiance) * piece.area() * sides));
         }
