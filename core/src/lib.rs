@@ -104,6 +104,7 @@ pub mod majorant;
 pub mod medium;
 pub mod path;
 pub mod phase;
+pub mod points;
 pub mod ray;
 pub mod real;
 pub mod room;

@@ -1,13 +1,14 @@
 //! Paths in rooms, eight at a time.
 
 use woodcock_core::path::{Counts, PathSample};
-use woodcock_core::real::Real;
+use woodcock_core::points::{self, LaneStrata};
+use woodcock_core::real::Word32;
 use woodcock_core::room::{Room, Walks};
 use woodcock_core::stream::{KeyedStream, PathStream};
 
 use crate::bits::LaneStream;
-use crate::lanes::{LANES, LaneMask, Lanes};
-use crate::trace::PathRequest;
+use crate::lanes::{LANES, LaneMask, LaneWords, Lanes};
+use crate::trace::{Bank, Next, PathRequest};
 
 /// Traces the requested paths and hands each sample to `land(index, sample)`, in any order.
 ///
@@ -22,11 +23,12 @@ pub fn trace(
     let mut waiting = requests.into_iter().enumerate();
     let mut owners = [0_usize; LANES];
     let mut held = 0_u32;
+    let mut bank = Bank::default();
+    let mut next = Next::default();
     loop {
         let running = walks.running().bits();
         if running != 0xff {
             let mut begun = 0_u32;
-            let (mut x, mut y) = (Lanes::zero(), Lanes::zero());
             for (lane, owner) in owners.iter_mut().enumerate() {
                 let bit = 1 << lane;
                 if running & bit != 0 {
@@ -40,13 +42,18 @@ pub fn trace(
                     *owner = index;
                     held |= bit;
                     begun |= bit;
-                    x.set_lane(lane, request.x as f32);
-                    y.set_lane(lane, request.y as f32);
-                    walks.stream().set_key(lane, request.key);
+                    next.set(lane, &request);
+                    if room.points {
+                        next.set_strata(lane, bank.strata(request.key));
+                    }
                 }
             }
             if begun != 0 {
-                walks.launch(room, x, y, LaneMask::from_bits(begun));
+                let begun = LaneMask::from_bits(begun);
+                let [low, high] = next.state.map(LaneWords::new);
+                walks.stream().set_states(low, high, begun);
+                let strata = LaneStrata::new(next.strata.map(LaneWords::new));
+                walks.launch(room, next.place.map(Lanes::new), &strata, begun);
             }
             if held == 0 {
                 return *walks.counts();
@@ -60,7 +67,9 @@ pub fn trace(
 pub fn trace_scalar(room: &Room<'_>, request: PathRequest, counts: &mut Counts) -> PathSample {
     let mut walks = Walks::<f32, PathStream>::idle();
     KeyedStream::<f32>::set_key(walks.stream(), 0, request.key);
-    walks.launch(room, request.x as f32, request.y as f32, true);
+    let strata = points::strata(request.key).words().map(Word32);
+    let place = [request.x as f32, request.y as f32];
+    walks.launch(room, place, &LaneStrata::new(strata), true);
     while walks.running() {
         walks.step(room);
     }

@@ -75,6 +75,8 @@ pub struct Room<'a> {
     pub camera: &'a Camera,
     /// How far rays step off the pieces that they leave \[length\].
     pub step: f32,
+    /// Whether the sixteen paths of a replicate share out their first choices ([`crate::points`]).
+    pub points: bool,
     /// Scatterings after which a path is cut off; `u32::MAX` is no limit.
     pub max_depth: u32,
 }

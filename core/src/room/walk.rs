@@ -8,9 +8,10 @@ use super::{Fog, Room};
 use crate::collision;
 use crate::path::{Counts, PathSample};
 use crate::phase::henyey_greenstein;
+use crate::points::{Choice, LaneStrata, Stratified};
 use crate::ray::{FAR, Ray};
 use crate::real::{Mask, Real, Word};
-use crate::stream::KeyedStream;
+use crate::stream::{KeyedStream, Stream};
 use crate::transmittance::analytic;
 use crate::vec3::Vec3;
 
@@ -21,10 +22,24 @@ const CERTAIN: f32 = 1e30;
 /// No piece.
 const NONE: u32 = 1 << 30;
 
+/// Numbers of stratified choices on the first and the second segment of a path, in nets of four: the camera has the first
+/// two, and those of a lens, which then takes the place of others.
+mod choice {
+    pub(super) const FLIGHT: [[u32; 1]; 2] = [[2], [10]];
+    /// Where light is scattered once, and a place on the lamp.
+    pub(super) const FOG: [[u32; 3]; 2] = [[3, 4, 5], [11, 12, 13]];
+    /// A place on the lamp that lights a piece.
+    pub(super) const PIECE: [[u32; 2]; 2] = [[6, 7], [14, 15]];
+    pub(super) const DIRECTION: [u32; 2] = [8, 9];
+}
+
 /// A path in each lane.
 #[derive(Clone, Debug)]
 pub struct Walks<R: Real, S> {
     stream: S,
+    strata: LaneStrata<R::Word>,
+    /// Lanes on their first and on their second segment, as far as their choices are stratified.
+    early: [R::Mask; 2],
     ray: Ray<R>,
     throughput: Vec3<R>,
     radiance: Vec3<R>,
@@ -225,6 +240,8 @@ impl<R: Real, S: KeyedStream<R>> Walks<R, S> {
         let none = R::Mask::splat(false);
         Self {
             stream: S::idle(),
+            strata: LaneStrata::idle(),
+            early: [none; 2],
             ray: Ray {
                 origin: zero,
                 direction: Vec3::splat([0.0, 0.0, 1.0]),
@@ -279,10 +296,29 @@ impl<R: Real, S: KeyedStream<R>> Walks<R, S> {
 
     /// Begins paths in the given lanes, whose streams have been given their keys.
     ///
-    /// * `x`, `y`: column and row of each path's pixel.
+    /// * `place`: column and row of each path's pixel. `strata`: of its first choices, if they have any.
     #[inline(always)]
-    pub fn launch(&mut self, room: &Room<'_>, x: R, y: R, lanes: R::Mask) {
-        let ray = room.camera.ray(x, y, &mut self.stream, lanes);
+    pub fn launch(
+        &mut self,
+        room: &Room<'_>,
+        [x, y]: [R; 2],
+        strata: &LaneStrata<R::Word>,
+        lanes: R::Mask,
+    ) {
+        let ray = if room.points {
+            self.strata = LaneStrata::select(lanes, *strata, self.strata);
+            let choices = [
+                Choice::PixelX,
+                Choice::PixelY,
+                Choice::LensRadius,
+                Choice::LensTurn,
+            ];
+            let leading = choices.map(|choice| self.strata.leading(choice));
+            let mut stream = Stratified::new(&mut self.stream, leading, lanes);
+            room.camera.ray(x, y, &mut stream, lanes)
+        } else {
+            room.camera.ray(x, y, &mut self.stream, lanes)
+        };
         self.ray = Ray::select(lanes, &ray, &self.ray);
         self.throughput = Vec3::select(lanes, Vec3::uniform(1.0), self.throughput);
         self.radiance = Vec3::select(lanes, Vec3::uniform(0.0), self.radiance);
@@ -295,6 +331,41 @@ impl<R: Real, S: KeyedStream<R>> Walks<R, S> {
         self.enclosed = self.enclosed.and_not(lanes) | within;
         self.running = self.running | lanes;
         self.counts.paths += u64::from(lanes.count());
+    }
+
+    /// The stratified digits of choices by their numbers on the first and the second segment, and the lanes that have any.
+    #[inline(always)]
+    fn leading<const N: usize>(&self, numbers: [[u32; N]; 2]) -> ([R::Word; N], R::Mask) {
+        let [first, second] = self.early;
+        let leading = core::array::from_fn(|i| {
+            let of = |segment: usize| self.strata.leading_of(numbers[segment][i]);
+            R::Word::select(first, of(0), of(1))
+        });
+        (leading, first | second)
+    }
+
+    /// Uniform numbers for choices.
+    #[inline(always)]
+    fn uniforms<const N: usize>(&mut self, numbers: [[u32; N]; 2], lanes: R::Mask) -> [R; N] {
+        let (leading, early) = self.leading(numbers);
+        if (early & lanes).any() {
+            let mut stream = Stratified::<R, S, N>::new(&mut self.stream, leading, early);
+            core::array::from_fn(|_| stream.uniform(lanes))
+        } else {
+            core::array::from_fn(|_| self.stream.uniform(lanes))
+        }
+    }
+
+    /// How far flights go, in mean free paths.
+    #[inline(always)]
+    fn flight(&mut self, lanes: R::Mask) -> R {
+        let (leading, early) = self.leading(choice::FLIGHT);
+        if (early & lanes).any() {
+            let mut stream = Stratified::<R, S, 1>::new(&mut self.stream, leading, early);
+            stream.exponential(lanes)
+        } else {
+            self.stream.exponential(lanes)
+        }
     }
 
     /// Adds light that arrives in the lanes of a mask.
@@ -310,6 +381,10 @@ impl<R: Real, S: KeyedStream<R>> Walks<R, S> {
         self.counts.steps += 1;
         self.counts.busy_lanes += u64::from(lanes.count());
         let may_scatter = lanes.and_not(self.depth.eq(R::Word::splat(room.max_depth)));
+        if room.points {
+            let on = |n: u32| self.depth.eq(R::Word::splat(n));
+            self.early = [on(0), on(1)];
+        }
         let (t_piece, piece) = room.nearest(&self.ray, self.ball);
         // What lies before a piece is as enclosed as the ray's beginning.
         let on_piece = t_piece.lt(R::splat(FAR)) & lanes;
@@ -330,7 +405,7 @@ impl<R: Real, S: KeyedStream<R>> Walks<R, S> {
             if foggy.any() {
                 self.scatter_once(room, fog, &way, foggy);
             }
-            way.flight = self.stream.exponential(lanes) * R::splat(1.0 / fog.sigma_t);
+            way.flight = self.flight(lanes) * R::splat(1.0 / fog.sigma_t);
             in_fog = way.flight.lt(way.length) & lanes;
             let collided = u64::from(in_fog.count());
             self.counts.tentative_collisions += collided;
@@ -365,7 +440,8 @@ impl<R: Real, S: KeyedStream<R>> Walks<R, S> {
         self.throughput = self.throughput.times(site.albedo);
         let going = self.survive((on_piece | in_fog) & may_scatter);
         if going.any() {
-            let (u, turn) = (self.stream.uniform(going), self.stream.uniform(going));
+            self.early[1] = R::Mask::splat(false);
+            let [u, turn] = self.uniforms([choice::DIRECTION; 2], going);
             let (direction, pdf) = site.sample(u, turn);
             let onward = Ray {
                 origin: site.origin,
@@ -448,7 +524,7 @@ impl<R: Real, S: KeyedStream<R>> Walks<R, S> {
             return;
         }
         let chosen = self.choose(room, lanes);
-        let uv = [self.stream.uniform(lanes), self.stream.uniform(lanes)];
+        let uv = self.uniforms(choice::PIECE, lanes);
         for (index, lamp) in (0..).zip(room.lamps) {
             let this = chosen.eq(R::Word::splat(index)) & lanes;
             if this.any() {
@@ -471,8 +547,16 @@ impl<R: Real, S: KeyedStream<R>> Walks<R, S> {
             return;
         }
         let chosen = self.choose(room, lanes);
-        let u = self.stream.uniform(lanes);
-        let uv = [self.stream.uniform(lanes), self.stream.uniform(lanes)];
+        let [u, x, y] = if room.camera.lens_radius > 0.0 {
+            // A lens has the numbers of the second segment.
+            let second = core::mem::replace(&mut self.early[1], R::Mask::splat(false));
+            let numbers = self.uniforms(choice::FOG, lanes);
+            self.early[1] = second;
+            numbers
+        } else {
+            self.uniforms(choice::FOG, lanes)
+        };
+        let uv = [x, y];
         // One number says which, and its rest where.
         let twice = u + u;
         let near = R::one().le(twice);

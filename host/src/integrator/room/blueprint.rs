@@ -152,6 +152,7 @@ impl Blueprint {
             fog: self.fog,
             camera: &world.camera,
             step: self.step,
+            points: plan.settings.points && plan.replicate > 1,
             max_depth: plan.settings.max_depth,
         }
     }

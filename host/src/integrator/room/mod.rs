@@ -8,12 +8,11 @@ use std::ops::Range;
 
 use woodcock_core::path::{Counts, PathSample};
 use woodcock_packet::room;
-use woodcock_packet::trace::PathRequest;
 
 pub(crate) use blueprint::Blueprint;
 
 use super::Integrator;
-use crate::film::Tile;
+use crate::film::{Landing, Place, Tile};
 use crate::render::{Kernel, Plan};
 use crate::world::{Feature, World};
 
@@ -39,23 +38,25 @@ pub(super) fn render_tile(
     let place = |index: usize| {
         let (pixel, sample) = (index / per_pixel, index % per_pixel);
         let (x, y) = (pixel as u32 % width, pixel as u32 / width);
-        (window.x0 + x, window.y0 + y, samples.start + sample as u32)
+        Place {
+            x: window.x0 + x,
+            y: window.y0 + y,
+            sample: samples.start + sample as u32,
+            samples: samples.clone(),
+        }
     };
     let requests = (0..window.pixels() as usize * per_pixel).map(|index| {
-        let (x, y, sample) = place(index);
+        let Place { x, y, sample, .. } = place(index);
         crate::render::request(world, plan.seed, x, y, sample)
     });
+    let mut landing = Landing::default();
+    let mut land = |index: usize, path| landing.land(tile, place(index), path);
     match plan.kernel {
-        Kernel::Packet => room::trace(&walls, requests, |index, path| {
-            let (x, y, sample) = place(index);
-            tile.add(x, y, sample, path.radiance, path.alpha);
-        }),
+        Kernel::Packet => room::trace(&walls, requests, land),
         Kernel::Scalar => {
             let mut counts = Counts::default();
-            for request in requests {
-                let path = room::trace_scalar(&walls, request, &mut counts);
-                let PathRequest { x, y, key } = request;
-                tile.add(x, y, key.sample, path.radiance, path.alpha);
+            for (index, request) in requests.enumerate() {
+                land(index, room::trace_scalar(&walls, request, &mut counts));
             }
             counts
         }
