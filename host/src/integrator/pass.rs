@@ -9,7 +9,7 @@ use super::bdpt::{self, Splat, Workspace};
 use super::canvas::Canvas;
 use super::mlt;
 use super::tracer::Tracer;
-use super::{Draws, Sample, Settings, path, transmittance};
+use super::{Draws, Sample, Settings, path, room, transmittance};
 use crate::drive::Progress;
 use crate::film::{Film, Landing, LayerSample, Place, Tile};
 use crate::render::Plan;
@@ -205,6 +205,9 @@ pub(super) fn stream(world: &World, plan: &Plan, [x, y]: [u32; 2], sample: u32) 
 }
 
 fn render_tile(world: &World, plan: &Plan, tile: &mut Tile, samples: Range<u32>) -> Counts {
+    if let Some(blueprint) = room::of(world, plan) {
+        return room::render_tile(blueprint, world, plan, tile, samples);
+    }
     let mut tracer = Tracer::new(world);
     let mut landing = Landing::default();
     let window = tile.window();
@@ -237,6 +240,9 @@ pub(crate) fn replay(
     pixel: [u32; 2],
     index: u32,
 ) -> (PathSample, Counts) {
+    if let Some(blueprint) = room::of(world, plan) {
+        return room::replay(blueprint, world, plan, pixel, index);
+    }
     let mut tracer = Tracer::new(world);
     let mut draws = stream(world, plan, pixel, index);
     let sample = sample(&mut tracer, plan, pixel, &mut draws);

@@ -29,6 +29,7 @@ use woodcock_core::vec3::Vec3;
 use crate::bsdf::Materials;
 use crate::integrator::Stretch;
 use crate::integrator::glow::Glow;
+use crate::integrator::room::Blueprint;
 use crate::light::Lights as Lighting;
 use crate::ray::Ray;
 use crate::surface::Surfaces;
@@ -89,6 +90,8 @@ pub struct World {
     pub(crate) source: Option<PacketSource>,
     /// Media that shine, as lights.
     pub(crate) glow: Option<Glow>,
+    /// The tables of a scene that is a room.
+    pub(crate) room: Option<Blueprint>,
     /// The largest extinction of each medium, by its bounds [1/length].
     pub(crate) thickest: Vec<f64>,
     /// The diameter of what bounds the media \[length\]; infinite where one fills space.
@@ -296,6 +299,7 @@ pub fn assemble(scene: &Scene, files: &dyn Files, options: &Options) -> Result<W
         keep,
         &mut needs,
     );
+    let room = room(scene, origin, (&assembled.media, &place), keep, &mut needs);
     path_needed(scene, &assembled.media, &place, keep, &mut needs);
     let (distant, environment) = lights(scene)?;
     let records = assembled
@@ -331,7 +335,30 @@ pub fn assemble(scene: &Scene, files: &dyn Files, options: &Options) -> Result<W
         lighting,
         source,
         glow,
+        room,
     })
+}
+
+/// The tables of a scene that is a room, and the row that says whether it is one.
+fn room(
+    scene: &Scene,
+    origin: DVec3,
+    (media, place): (&[Medium], &Location),
+    keep: &[Feature],
+    needs: &mut Needs,
+) -> Option<Blueprint> {
+    if scene.surfaces.is_empty() && scene.instances.is_empty() {
+        let kept = needs.runs(Feature::Surfaces);
+        needs.decide(Feature::DetailedSurfaces, kept, keep, "no surfaces");
+        return None;
+    }
+    let room = Blueprint::new(scene, origin, media, place);
+    let reason = match &room {
+        Ok(room) => room.summary(),
+        Err(refusal) => (*refusal).to_owned(),
+    };
+    needs.decide(Feature::DetailedSurfaces, room.is_err(), keep, reason);
+    room.ok()
 }
 
 /// What only scalar integrators do.
@@ -403,10 +430,12 @@ fn path_needed(
             Feature::Scattering,
             Feature::FreePassage,
             Feature::FaintShadowRays,
-            Feature::IndependentSamples,
         ] {
             needs.decide(feature, true, keep, reason);
         }
+        let apart = needs.runs(Feature::DetailedSurfaces) || !needs.runs(Feature::Surfaces);
+        let reason = if apart { reason } else { SHARED };
+        needs.decide(Feature::IndependentSamples, apart, keep, reason);
         return;
     }
     let scatters = media.iter().any(|m| m.record.albedo != [0.0; 3]);
@@ -442,9 +471,11 @@ fn path_needed(
         format!("one that scattering favours less than {faint:.3}/sr is traced by chance only")
     };
     needs.decide(Feature::FaintShadowRays, false, keep, reason);
-    let reason = "sixteen samples of a pixel share out their first choices";
-    needs.decide(Feature::IndependentSamples, false, keep, reason);
+    needs.decide(Feature::IndependentSamples, false, keep, SHARED);
 }
+
+/// Why samples need not be independent.
+const SHARED: &str = "sixteen samples of a pixel share out their first choices";
 
 /// The density of scattering [1/sr] below which shadow rays are faint: a share of the root mean square of that of the
 /// most even medium.

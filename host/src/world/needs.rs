@@ -27,6 +27,8 @@ pub enum Feature {
     Lens,
     /// Surfaces with matter or light, and the scalar path tracer that meets them.
     Surfaces,
+    /// Surfaces and lamps of any kind and number, in double precision: what is no [room](woodcock_core::room).
+    DetailedSurfaces,
     /// Lights at places, and pictures of the sky.
     LocalLights,
     /// Light from within media.
@@ -57,6 +59,7 @@ impl Feature {
         Self::Rayleigh,
         Self::Lens,
         Self::Surfaces,
+        Self::DetailedSurfaces,
         Self::LocalLights,
         Self::Emission,
         Self::DetailedMedia,
@@ -79,6 +82,7 @@ impl Feature {
             Self::Rayleigh => "rayleigh",
             Self::Lens => "lens",
             Self::Surfaces => "surfaces",
+            Self::DetailedSurfaces => "detailed-surfaces",
             Self::LocalLights => "local-lights",
             Self::Emission => "emission",
             Self::DetailedMedia => "detailed-media",
