@@ -22,6 +22,8 @@ pub struct Goal {
     pub time: Option<Duration>,
     /// Index of the first sample, so that shards may share the work.
     pub first_sample: u32,
+    /// Samples that are not to be parted, [`Film::replicate`]: passes end at their multiples, but for the last. Zero is one.
+    pub replicate: u32,
 }
 
 /// What ended a render.
@@ -135,8 +137,8 @@ pub fn drive<E>(
             }
             count = count.min(fitting(left, elapsed(), done));
         }
-        count = count.min(wanted - done);
         let first = goal.first_sample + done;
+        count = whole(first, count, goal.replicate).min(wanted - done);
         let result = pass(film, first..first + count);
         if result.is_err() {
             watch.progress.end();
@@ -161,6 +163,14 @@ pub fn drive<E>(
             Stopping::Signal => false,
         },
     })
+}
+
+/// As many samples from `first` as `count`, or fewer, so that the next begins a replicate; at least to the end of the first.
+fn whole(first: u32, count: u32, replicate: u32) -> u32 {
+    let replicate = replicate.max(1);
+    let end = first.saturating_add(count);
+    let end = (end - end % replicate).max((first - first % replicate).saturating_add(replicate));
+    end - first
 }
 
 /// Samples per pixel that fit the time left at the pace so far; at least one, so the limit is passed by less than a sample per pixel.
@@ -247,6 +257,7 @@ mod tests {
             samples,
             time: Some(ms * MS),
             first_sample: 0,
+            replicate: 1,
         };
         let (outcome, passes) = run(16, limit(None, 1000), 3 * MS, u32::MAX);
         assert_eq!((outcome.stopping, outcome.complete), (Stopping::Time, true));
@@ -283,6 +294,32 @@ mod tests {
         contiguous(&passes, 0, 4);
         let (outcome, _) = run(16, goal, MS, 0);
         assert_eq!(outcome.samples, 0..1, "there is always a picture");
+    }
+
+    #[test]
+    fn replicates_are_not_parted() {
+        for (first, samples, side) in [(0, 200, 16), (8, 200, 16), (32, 100, 724), (5, 7, 4)] {
+            let goal = Goal {
+                samples: Some(samples),
+                first_sample: first,
+                replicate: 16,
+                ..Goal::default()
+            };
+            let (outcome, passes) = run(side, goal, MS, u32::MAX);
+            contiguous(&passes, first, first + samples);
+            assert!(outcome.complete);
+            let cuts = passes.iter().skip(1).map(|pass| pass.start);
+            assert!(cuts.into_iter().all(|cut| cut % 16 == 0), "{passes:?}");
+        }
+        let goal = Goal {
+            time: Some(1000 * MS),
+            replicate: 16,
+            ..Goal::default()
+        };
+        let (outcome, passes) = run(16, goal, 3 * MS, u32::MAX);
+        assert!(passes.iter().all(|pass| pass.end % 16 == 0));
+        let over = outcome.render_time.saturating_sub(1000 * MS);
+        assert!(over < 16 * 3 * MS, "{over:?}");
     }
 
     #[test]

@@ -2,16 +2,18 @@
 
 use std::ops::Range;
 
+use woodcock_core::medium::Controlled;
 use woodcock_core::path::{
     Atlas, Counts, Geometry, OneGrid, OneHomogeneous, PathSample, RecordKind, Scene, Settings,
     ShadowEstimator, Tapped,
 };
+use woodcock_core::points::REPLICATE;
 use woodcock_core::stream::Key;
 use woodcock_packet::lanes::Lanes;
 use woodcock_packet::trace::{self, PathRequest};
 
 use crate::drive::Progress;
-use crate::film::{Film, Tile};
+use crate::film::{Film, Landing, Place, Tile};
 use crate::integrator::{self, Integrator};
 use crate::world::{Feature, Location, World};
 
@@ -41,6 +43,9 @@ pub struct Plan {
     pub layers: bool,
     /// Seed of all random numbers.
     pub seed: u64,
+    /// Samples of a pixel whose points depend on each other, a power of two; one where all are independent. The samples `k N` to
+    /// `(k + 1) N − 1` are one replicate of N.
+    pub replicate: u32,
     /// Shadow rays and depth.
     pub settings: Settings,
 }
@@ -70,6 +75,9 @@ impl Plan {
             Integrator::Single => max_depth.min(1),
             _ => max_depth,
         };
+        let settings = world.settings();
+        let in_replicates =
+            settings.points && matches!(integrator, Integrator::Path | Integrator::Single);
         Self {
             kernel,
             integrator,
@@ -77,8 +85,27 @@ impl Plan {
             split: 1,
             layers: false,
             seed,
-            settings: Settings { max_depth, shadow },
+            replicate: if in_replicates { REPLICATE } else { 1 },
+            settings: Settings {
+                max_depth,
+                shadow,
+                ..settings
+            },
         }
+    }
+
+    /// An empty film for what the plan brings of a world.
+    pub fn film(&self, world: &World) -> Film {
+        let mut film = Film::of_replicates(world.resolution, world.window, self.replicate);
+        if self.layers {
+            film.keep_layers();
+        }
+        film
+    }
+
+    /// Whether paths are their camera rays, whose transmittance is all that is to be known.
+    fn absorbs(&self, world: &World) -> bool {
+        !world.needs.runs(Feature::Scattering) && self.settings.shadow != ShadowEstimator::Delta
     }
 
     /// Whether the kernels of core and packet do it all; otherwise the scalar integrators do.
@@ -96,8 +123,15 @@ trait Job {
         scene: &Scene<'_, M, G>,
     ) -> Self::Output
     where
-        M: Tapped<f32> + Tapped<Lanes> + Sync,
+        M: AnyMedium,
         G: Geometry<f32> + Geometry<Lanes> + Sync + ?Sized;
+}
+
+/// A medium for both widths.
+trait AnyMedium: Tapped<f32> + Controlled<f32> + Tapped<Lanes> + Controlled<Lanes> + Sync {}
+impl<M> AnyMedium for M where
+    M: Tapped<f32> + Controlled<f32> + Tapped<Lanes> + Controlled<Lanes> + Sync
+{
 }
 
 /// Geometry for both widths, behind one pointer: a call a ray, not a call a step.
@@ -222,7 +256,7 @@ fn pick<M, J: Job>(
     job: J,
 ) -> J::Output
 where
-    M: Tapped<f32> + Tapped<Lanes> + Sync,
+    M: AnyMedium,
 {
     let scene = Scene {
         medium,
@@ -254,7 +288,7 @@ impl Job for Pass<'_> {
         scene: &Scene<'_, M, G>,
     ) -> Counts
     where
-        M: Tapped<f32> + Tapped<Lanes> + Sync,
+        M: AnyMedium,
         G: Geometry<f32> + Geometry<Lanes> + Sync + ?Sized,
     {
         let tile = |tile: &mut Tile| {
@@ -327,6 +361,24 @@ pub(crate) fn request(world: &World, seed: u64, x: u32, y: u32, sample: u32) -> 
     }
 }
 
+/// One path in scalar code.
+fn trace_one<M, G, const CHROMATIC: bool, const RAYLEIGH: bool>(
+    scene: &Scene<'_, M, G>,
+    absorbs: bool,
+    request: PathRequest,
+    counts: &mut Counts,
+) -> PathSample
+where
+    M: AnyMedium,
+    G: Geometry<f32> + ?Sized,
+{
+    if absorbs {
+        trace::absorb_scalar::<M, G, CHROMATIC>(scene, request, counts)
+    } else {
+        trace::trace_scalar::<M, G, CHROMATIC, RAYLEIGH>(scene, request, counts)
+    }
+}
+
 fn trace_tile<M, G, const CHROMATIC: bool, const RAYLEIGH: bool>(
     scene: &Scene<'_, M, G>,
     world: &World,
@@ -335,7 +387,7 @@ fn trace_tile<M, G, const CHROMATIC: bool, const RAYLEIGH: bool>(
     tile: &mut Tile,
 ) -> Counts
 where
-    M: Tapped<f32> + Tapped<Lanes>,
+    M: AnyMedium,
     G: Geometry<f32> + Geometry<Lanes> + ?Sized,
 {
     let window = tile.window();
@@ -344,38 +396,43 @@ where
     let place = |index: usize| {
         let (pixel, sample) = (index / per_pixel, index % per_pixel);
         let (x, y) = (pixel as u32 % width, pixel as u32 / width);
-        (window.x0 + x, window.y0 + y, samples.start + sample as u32)
+        Place {
+            x: window.x0 + x,
+            y: window.y0 + y,
+            sample: samples.start + sample as u32,
+            samples: samples.clone(),
+        }
     };
     let requests = (0..window.pixels() as usize * per_pixel).map(|index| {
-        let (x, y, sample) = place(index);
+        let Place { x, y, sample, .. } = place(index);
         request(world, plan.seed, x, y, sample)
     });
+    let mut landing = Landing::default();
     let mut counts = Counts::default();
-    match plan.kernel {
-        Kernel::Packet => {
-            counts = trace::trace::<M, G, CHROMATIC, RAYLEIGH>(scene, requests, |index, path| {
-                let (x, y, sample) = place(index);
-                tile.add(x, y, sample, path.radiance, path.alpha);
-            });
+    let mut land = |index: usize, path| landing.land(tile, place(index), path);
+    match (plan.kernel, plan.absorbs(world)) {
+        (Kernel::Packet, false) => {
+            counts = trace::trace::<M, G, CHROMATIC, RAYLEIGH>(scene, requests, land);
         }
-        Kernel::Scalar => {
-            for request in requests {
+        (Kernel::Packet, true) => {
+            counts = trace::absorb::<M, G, CHROMATIC>(scene, requests, land);
+        }
+        (Kernel::Scalar, absorbs) => {
+            for (index, request) in requests.enumerate() {
                 let path =
-                    trace::trace_scalar::<M, G, CHROMATIC, RAYLEIGH>(scene, request, &mut counts);
-                tile.add(
-                    request.x,
-                    request.y,
-                    request.key.sample,
-                    path.radiance,
-                    path.alpha,
-                );
+                    trace_one::<M, G, CHROMATIC, RAYLEIGH>(scene, absorbs, request, &mut counts);
+                land(index, path);
             }
         }
     }
+    debug_assert!(landing.is_done(), "every path lands");
     counts
 }
 
 /// Adds the samples with these indices to every pixel of a film over the world's window.
+///
+/// The film is to be of the plan's replicates ([`Plan::film`]); where they are larger than one, `samples` should begin and end at their
+/// multiples.
 pub fn render_pass(
     world: &World,
     plan: &Plan,
@@ -383,6 +440,7 @@ pub fn render_pass(
     samples: Range<u32>,
     progress: &dyn Progress,
 ) -> Counts {
+    debug_assert_eq!(film.replicate(), plan.replicate, "a film for this plan");
     if !plan.in_packets(world) {
         return integrator::render_pass(world, plan, film, samples, progress);
     }
@@ -401,6 +459,7 @@ pub fn render_pass(
 
 /// One path, again.
 struct Replay {
+    absorbs: bool,
     request: PathRequest,
 }
 
@@ -411,12 +470,12 @@ impl Job for Replay {
         scene: &Scene<'_, M, G>,
     ) -> Self::Output
     where
-        M: Tapped<f32> + Tapped<Lanes> + Sync,
+        M: AnyMedium,
         G: Geometry<f32> + Geometry<Lanes> + Sync + ?Sized,
     {
         let mut counts = Counts::default();
         let path =
-            trace::trace_scalar::<M, G, CHROMATIC, RAYLEIGH>(scene, self.request, &mut counts);
+            trace_one::<M, G, CHROMATIC, RAYLEIGH>(scene, self.absorbs, self.request, &mut counts);
         (path, counts)
     }
 }
@@ -432,6 +491,7 @@ pub fn replay(world: &World, plan: &Plan, x: u32, y: u32, sample: u32) -> (PathS
         world,
         plan,
         Replay {
+            absorbs: plan.absorbs(world),
             request: request(world, plan.seed, x, y, sample),
         },
     )

@@ -5,7 +5,7 @@
 
 use crate::free_flight::delta::is_real;
 use crate::majorant::{GridLayout, GridWalk, MajorantGrid, Segment};
-use crate::medium::{Affine, IDENTITY, Medium, transform_ray};
+use crate::medium::{Affine, Control, Controlled, IDENTITY, Medium, transform_ray};
 use crate::phase::Phase;
 use crate::ray::{FAR, Ray};
 use crate::real::{Mask, Real, Word};
@@ -476,6 +476,37 @@ impl<R: Real> Tapped<R> for Atlas<'_> {
             R::select(walk.is_grid, grid, walk.scale)
         } else {
             walk.scale
+        }
+    }
+}
+
+impl<R: Real> Controlled<R> for OneHomogeneous {
+    #[inline(always)]
+    fn control(&self, walk: &()) -> Control<R> {
+        let sigma_t = self.segment(walk).majorant;
+        Control {
+            minimum: sigma_t,
+            mean: sigma_t,
+        }
+    }
+}
+
+impl<R: Real> Controlled<R> for OneGrid<'_> {
+    #[inline(always)]
+    fn control(&self, walk: &GridWalk<R>) -> Control<R> {
+        Control {
+            minimum: R::zero(),
+            mean: walk.segment().majorant,
+        }
+    }
+}
+
+impl<R: Real> Controlled<R> for Atlas<'_> {
+    #[inline(always)]
+    fn control(&self, walk: &AtlasWalk<R>) -> Control<R> {
+        Control {
+            minimum: R::zero(),
+            mean: self.segment(walk).majorant,
         }
     }
 }

@@ -21,11 +21,13 @@
 //! as a path draws only its own numbers in its own order; packets use that freedom to fill their
 //! lanes, and one lane simply follows the arrows.
 
+mod absorption;
 mod counts;
 mod geometry;
 mod media;
 mod state;
 
+pub use absorption::{absorb, sample_of};
 pub use counts::Counts;
 pub use geometry::{Convex, Geometry, Stretch};
 pub use media::{
@@ -55,6 +57,22 @@ pub struct Settings {
     pub max_depth: u32,
     /// Shadow rays.
     pub shadow: ShadowEstimator,
+    /// Whether first choices take [points](crate::points) that lie well; else all come from the stream.
+    pub points: bool,
+    /// Whether each flight within a medium of constant extinction collides, what would have passed being scored as it
+    /// goes; for scenes whose rays meet one stretch of one medium at most.
+    pub forced: bool,
+    /// The density of scattering towards a light, times throughput [1/sr], below which a shadow ray plays roulette for
+    /// being traced at all; positive. Those that are traced bring at least as much but for what is in their way, and play
+    /// roulette again where that leaves little of it.
+    pub faint: f32,
+    /// The throughput below which a path plays roulette, and survives with it.
+    pub roulette: f32,
+}
+
+impl Settings {
+    /// What [`faint`](Self::faint) is where every shadow ray is to be traced.
+    pub const ALL_SHADOW_RAYS: f32 = 1e-9;
 }
 
 impl Default for Settings {
@@ -62,6 +80,10 @@ impl Default for Settings {
         Self {
             max_depth: u32::MAX,
             shadow: ShadowEstimator::Ratio,
+            points: false,
+            forced: false,
+            faint: 0.06,
+            roulette: 0.25,
         }
     }
 }

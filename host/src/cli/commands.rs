@@ -11,7 +11,6 @@ use super::failure::{self, Failure};
 use super::render::{Prepared, Rendered};
 use crate::builtin;
 use crate::drive::{Goal, Watch, drive};
-use crate::film::Film;
 use crate::image::{Layers, RenderMetadata};
 use crate::info::{InfoOptions, info_json, info_text};
 use crate::integrator::Integrator;
@@ -198,6 +197,7 @@ pub fn prepare(args: &RenderArgs) -> Result<Prepared, Failure> {
         },
         time: args.time,
         first_sample: 0,
+        replicate: plan.replicate,
     };
     let pool = pool(args.threads)?;
     let layers = layers(args);
@@ -235,10 +235,7 @@ fn render(
 ) -> Result<Rendered, Failure> {
     let Loaded { scene, world, name } = loaded;
     let cpu_before = cpu_time();
-    let mut film = Film::new(world.resolution, world.window);
-    if layers.any() {
-        film.keep_layers();
-    }
+    let mut film = plan.film(world);
     let counts = RefCell::new(Counts::default());
     let outcome = drive(&mut film, goal, watch, |film, samples| {
         let pass = pool.install(|| render_pass(world, plan, film, samples, watch.progress));

@@ -225,7 +225,7 @@ mod tests {
         let goal = Goal {
             samples: Some(10),
             time: Some(Duration::from_secs(1_000_000)),
-            first_sample: 0,
+            ..Goal::default()
         };
         let state = State::new(100, &goal);
         state.paths.store(250, Relaxed);

@@ -35,7 +35,7 @@ fn prepare(args: &RenderArgs) -> Result<Prepared, Failure> {
     let goal = Goal {
         samples: args.spp,
         time: args.time,
-        first_sample: 0,
+        ..Goal::default()
     };
     Ok(Prepared {
         image_name: None,

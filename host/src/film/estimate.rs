@@ -1,6 +1,6 @@
 //! How noisy the picture still is, in one number.
 
-use super::{Film, PixelMoments};
+use super::{Film, Pixel};
 
 /// Added to the squared reference so that dark pixels do not decide alone; the 10⁻² of the usual relMSE.
 const EPSILON: f64 = 1.0e-2;
@@ -16,7 +16,7 @@ impl Film {
     /// ```
     ///
     /// The square is the expected relMSE (the image's own mean stands for the reference, so it is meant for many
-    /// samples a pixel). Pixels with fewer than two samples are left out; `None` if that is all of them. A black
+    /// samples a pixel). Pixels with fewer than two independent samples are left out; `None` if that is all of them. A black
     /// image has error 0.
     pub fn relative_error(&self) -> Option<f64> {
         relative_error(self.pixels().map(|(.., pixel)| pixel))
@@ -31,10 +31,10 @@ impl Film {
 }
 
 /// Sums run in the order of the pixels, in `f64`: the same number for the same film.
-fn relative_error<'a>(pixels: impl Iterator<Item = &'a PixelMoments> + Clone) -> Option<f64> {
-    let known = || pixels.clone().filter(|p| p.samples() >= 2);
+fn relative_error<'a>(pixels: impl Iterator<Item = Pixel<'a>> + Clone) -> Option<f64> {
+    let known = || pixels.clone().filter(|p| p.independent() >= 2);
     let count = 3.0 * known().count() as f64;
-    let image_mean = known().flat_map(PixelMoments::mean).sum::<f64>() / count;
+    let image_mean = known().flat_map(|p| p.mean()).sum::<f64>() / count;
     let floor = EPSILON * image_mean * image_mean;
     let mut sum = 0.0;
     for pixel in known() {

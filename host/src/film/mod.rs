@@ -7,19 +7,23 @@
 //! ```
 //!
 //! Sums are exact ([`sum`]), so the image depends on the *set* of samples alone: not on threads, tiles, passes,
-//! order, or on how shards are merged. Memory: 200 bytes a pixel.
+//! order, or on how shards are merged. Memory: 200 bytes a pixel, 288 where samples come in [`replicates`].
 //!
 //! Paths that are not finite are dropped and counted with the place that reproduces them ([`NonfinitePaths`]).
 
 mod estimate;
 mod layers;
 mod moments;
+pub mod replicates;
 pub mod sum;
 
 pub use layers::{LayerMeans, LayerSample};
 pub use moments::PixelMoments;
+pub use replicates::{Landing, Pixel, Place};
 
 use layers::PixelLayers;
+use replicates::ReplicateSums;
+use woodcock_core::path::PathSample;
 
 /// Side of a tile in pixels. Fixed, because the order of work may be recorded but never chosen by a machine's size.
 pub const TILE_SIDE: u32 = 16;
@@ -136,6 +140,10 @@ pub struct Tile {
     window: Window,
     /// Row-major.
     pixels: Vec<PixelMoments>,
+    /// Samples of a replicate.
+    replicate: u32,
+    /// Whole replicates of the pixels; empty where each sample is one.
+    replicates: Vec<ReplicateSums>,
     /// Further layers of the pixels; empty unless asked for.
     layers: Vec<PixelLayers>,
     nonfinite: NonfinitePaths,
@@ -160,15 +168,60 @@ impl Tile {
         self.window
     }
 
+    /// Samples of a replicate; one where samples are independent.
+    pub fn replicate(&self) -> u32 {
+        self.replicate
+    }
+
     /// Adds the path of sample `sample` in pixel `(x, y)` of the whole picture.
     ///
     /// The pixel must lie in [`window`](Self::window) (panics otherwise). A value that is not finite is dropped and counted.
+    /// Where samples come in replicates, one alone enters the mean and says nothing of its variance.
     #[inline]
     pub fn add(&mut self, x: u32, y: u32, sample: u32, radiance: [f32; 3], alpha: f32) {
         assert!(self.window.contains(x, y), "pixel outside its tile");
         let index = self.window.index(x, y);
-        if !self.pixels[index].add(radiance, alpha) {
+        let pixel = &mut self.pixels[index];
+        let finite = if self.replicate == 1 {
+            pixel.add(radiance, alpha)
+        } else {
+            pixel.add_to_mean(radiance, alpha)
+        };
+        if !finite {
             self.nonfinite.record(PathId { y, x, sample });
+        }
+    }
+
+    /// Adds samples of pixel `(x, y)` that lie in one replicate, the first of them with index `first`, in their order.
+    ///
+    /// As [`add`](Self::add). If they are the whole replicate, and finite, they say what its mean is.
+    pub fn add_replicate(&mut self, x: u32, y: u32, first: u32, samples: &[PathSample]) {
+        let whole =
+            first.is_multiple_of(self.replicate) && samples.len() == self.replicate as usize;
+        let channel = |c: usize| samples.iter().map(move |path| path.radiance[c]);
+        let exact = [0, 1, 2].map(|c| sum::exact_sum(channel(c)));
+        let alpha = sum::exact_sum(samples.iter().map(|path| path.alpha));
+        let sums = if let ([Some(r), Some(g), Some(b)], Some(alpha)) = (exact, alpha) {
+            assert!(self.window.contains(x, y), "pixel outside its tile");
+            let index = self.window.index(x, y);
+            self.pixels[index].add_sums(samples.len() as u32, [r, g, b], alpha);
+            [r, g, b]
+        } else {
+            for (path, sample) in samples.iter().zip(first..) {
+                self.add(x, y, sample, path.radiance, path.alpha);
+            }
+            [0, 1, 2].map(|c| channel(c).map(f64::from).sum())
+        };
+        // What is not finite leaves its mark on the sums.
+        let finite = |path: &PathSample| path.alpha.is_finite();
+        if !(whole && sums.iter().all(|s| s.is_finite()) && samples.iter().all(finite)) {
+            return;
+        }
+        let index = self.window.index(x, y);
+        if let Some(replicates) = self.replicates.get_mut(index) {
+            let mean = sums.map(|sum| (sum / f64::from(self.replicate)) as f32);
+            replicates.add(mean);
+            self.pixels[index].add_squares(mean);
         }
     }
 }
@@ -182,6 +235,9 @@ pub enum MergeError {
     /// A pixel would hold more than [`sum::CAPACITY`] samples.
     #[error("a pixel would hold more than 2^31 - 1 samples")]
     Capacity,
+    /// Their samples come in replicates of different sizes.
+    #[error("the samples come in replicates of different sizes")]
+    Replicates,
 }
 
 /// The picture being rendered (module documentation).
@@ -189,15 +245,23 @@ pub enum MergeError {
 pub struct Film {
     resolution: [u32; 2],
     window: Window,
+    replicate: u32,
     tiles: Vec<Tile>,
 }
 
 impl Film {
-    /// Bytes per pixel, for checks against a memory limit before allocating.
-    pub const BYTES_PER_PIXEL: u64 = size_of::<PixelMoments>() as u64;
+    /// Most bytes per pixel, further layers aside, for checks against a memory limit before allocating.
+    pub const BYTES_PER_PIXEL: u64 =
+        size_of::<PixelMoments>() as u64 + size_of::<ReplicateSums>() as u64;
 
-    /// An empty film for the pixels of `window` (clipped to the picture) of a picture of `resolution`.
+    /// An empty film for the pixels of `window` (clipped to the picture) of a picture of `resolution`, of independent samples.
     pub fn new(resolution: [u32; 2], window: Window) -> Self {
+        Self::of_replicates(resolution, window, 1)
+    }
+
+    /// The same of samples that come in [`replicates`] of `replicate`, clamped to 1 … [`replicates::LARGEST`].
+    pub fn of_replicates(resolution: [u32; 2], window: Window, replicate: u32) -> Self {
+        let replicate = replicate.clamp(1, replicates::LARGEST);
         let [width, height] = resolution;
         let window = Window {
             x0: window.x0.min(width),
@@ -215,9 +279,13 @@ impl Film {
                     x1: x0.saturating_add(TILE_SIDE).min(window.x1),
                     y1: y0.saturating_add(TILE_SIDE).min(window.y1),
                 };
+                let pixels = window.pixels() as usize;
+                let grouped = if replicate == 1 { 0 } else { pixels };
                 tiles.push(Tile {
                     window,
-                    pixels: vec![PixelMoments::default(); window.pixels() as usize],
+                    pixels: vec![PixelMoments::default(); pixels],
+                    replicate,
+                    replicates: vec![ReplicateSums::default(); grouped],
                     layers: Vec::new(),
                     nonfinite: NonfinitePaths::default(),
                 });
@@ -226,8 +294,14 @@ impl Film {
         Self {
             resolution,
             window,
+            replicate,
             tiles,
         }
+    }
+
+    /// Samples of a replicate; one where samples are independent.
+    pub fn replicate(&self) -> u32 {
+        self.replicate
     }
 
     /// Keeps further layers from here on.
@@ -273,26 +347,32 @@ impl Film {
         &mut self.tiles
     }
 
-    /// Visits the pixels tile by tile: `(column, row, moments)` in coordinates of the whole picture.
-    pub fn pixels(&self) -> impl Iterator<Item = (u32, u32, &PixelMoments)> + Clone {
+    /// Visits the pixels tile by tile: `(column, row, pixel)` in coordinates of the whole picture.
+    pub fn pixels(&self) -> impl Iterator<Item = (u32, u32, Pixel<'_>)> + Clone {
         self.tiles.iter().flat_map(|tile| {
             let width = tile.window.size()[0];
-            tile.pixels.iter().zip(0_u32..).map(move |(pixel, i)| {
-                (
-                    tile.window.x0 + i % width,
-                    tile.window.y0 + i / width,
-                    pixel,
-                )
+            tile.pixels.iter().zip(0_u32..).map(move |(moments, i)| {
+                let sums = tile.replicates.get(i as usize);
+                let pixel = Pixel {
+                    moments,
+                    replicates: sums.map(|sums| (sums, tile.replicate)),
+                };
+                let (x, y) = (tile.window.x0 + i % width, tile.window.y0 + i / width);
+                (x, y, pixel)
             })
         })
     }
 
-    /// Adds the samples of another film of the same picture and window: the bits of having rendered all in one.
+    /// Adds the samples of another film of the same picture and window: the bits of having rendered all in one, if no replicate
+    /// was torn.
     pub fn merge(&mut self, other: &Self) -> Result<(), MergeError> {
         if self.resolution != other.resolution || self.window != other.window {
             return Err(MergeError::Shape);
         }
-        let full = |(a, b): (&PixelMoments, &PixelMoments)| {
+        if self.replicate != other.replicate {
+            return Err(MergeError::Replicates);
+        }
+        let full = |(a, b): (Pixel<'_>, Pixel<'_>)| {
             u64::from(a.samples()) + u64::from(b.samples()) > u64::from(sum::CAPACITY)
         };
         let pairs = self.pixels().zip(other.pixels());
@@ -304,6 +384,9 @@ impl Film {
             for (pixel, part) in tile.pixels.iter_mut().zip(&part.pixels) {
                 let fits = pixel.merge(part);
                 debug_assert!(fits, "checked above");
+            }
+            for (sums, part) in tile.replicates.iter_mut().zip(&part.replicates) {
+                sums.merge(part);
             }
             for (pixel, part) in tile.layers.iter_mut().zip(&part.layers) {
                 pixel.merge(part);

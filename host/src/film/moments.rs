@@ -29,22 +29,50 @@ impl PixelMoments {
     #[inline]
     #[must_use = "a dropped path is counted, never silent"]
     pub fn add(&mut self, radiance: [f32; 3], alpha: f32) -> bool {
+        let finite = self.add_to_mean(radiance, alpha);
+        if finite {
+            self.add_squares(radiance);
+        }
+        finite
+    }
+
+    /// As [`add`](Self::add), without the squares.
+    #[inline]
+    #[must_use = "a dropped path is counted, never silent"]
+    pub(super) fn add_to_mean(&mut self, radiance: [f32; 3], alpha: f32) -> bool {
         if !(radiance.iter().all(|x| x.is_finite()) && alpha.is_finite()) {
             return false;
         }
         debug_assert!(self.samples < CAPACITY, "a pixel is full");
         self.samples += 1;
         self.alpha.add(alpha);
-        for ((sum, square), x) in self
-            .radiance
-            .iter_mut()
-            .zip(&mut self.squares)
-            .zip(radiance)
-        {
+        for (sum, x) in self.radiance.iter_mut().zip(radiance) {
             sum.add(x);
-            square.add_square(x);
         }
         true
+    }
+
+    /// Adds paths to the mean by sums that were found without rounding: their number, radiance and alpha.
+    #[inline]
+    pub(super) fn add_sums(&mut self, samples: u32, radiance: [f64; 3], alpha: f64) {
+        self.samples += samples;
+        self.alpha.add_exact(alpha);
+        for (sum, x) in self.radiance.iter_mut().zip(radiance) {
+            sum.add_exact(x);
+        }
+    }
+
+    /// Adds the squares of finite numbers.
+    #[inline]
+    pub(super) fn add_squares(&mut self, values: [f32; 3]) {
+        for (square, x) in self.squares.iter_mut().zip(values) {
+            square.add_square(x);
+        }
+    }
+
+    /// The sums of squares.
+    pub(super) fn squares(&self) -> &[BinnedSum; 3] {
+        &self.squares
     }
 
     /// Number of finite samples.
@@ -106,7 +134,7 @@ impl PixelMoments {
 /// With the leading digit of max |x| at `e`, that of max x² is at 2e or 2e + 1. Hence the unit of `Q`,
 /// 2^(32 (2e−2)) or 2^(32 (2e−1)), is 2⁶⁴ or 2⁹⁶ times the unit of `S²`, 2^(64 (e−2)), and both terms fit 256 bits
 /// in the latter: n Q < 2³¹ · 2¹²⁷ · 2⁹⁶ and S² < 2²⁵⁴.
-fn scatter(n: u32, sum: &BinnedSum, square: &BinnedSum) -> f64 {
+pub(super) fn scatter(n: u32, sum: &BinnedSum, square: &BinnedSum) -> f64 {
     let (s, s_exponent) = sum.exact();
     let (q, q_exponent) = square.exact();
     if q == 0 {

@@ -11,7 +11,7 @@ use super::mlt;
 use super::tracer::Tracer;
 use super::{Draws, Sample, Settings, path, transmittance};
 use crate::drive::Progress;
-use crate::film::{Film, LayerSample, Tile};
+use crate::film::{Film, Landing, LayerSample, Place, Tile};
 use crate::render::Plan;
 use crate::world::World;
 
@@ -206,6 +206,7 @@ pub(super) fn stream(world: &World, plan: &Plan, [x, y]: [u32; 2], sample: u32) 
 
 fn render_tile(world: &World, plan: &Plan, tile: &mut Tile, samples: Range<u32>) -> Counts {
     let mut tracer = Tracer::new(world);
+    let mut landing = Landing::default();
     let window = tile.window();
     for y in window.y0..window.y1 {
         for x in window.x0..window.x1 {
@@ -216,8 +217,13 @@ fn render_tile(world: &World, plan: &Plan, tile: &mut Tile, samples: Range<u32>)
                 if tile.keeps_layers() {
                     tile.add_layers(x, y, &LayerSample::from(&sample));
                 }
-                let PathSample { radiance, alpha } = sample.into();
-                tile.add(x, y, index, radiance, alpha);
+                let place = Place {
+                    x,
+                    y,
+                    sample: index,
+                    samples: samples.clone(),
+                };
+                landing.land(tile, place, sample.into());
             }
         }
     }

@@ -21,7 +21,7 @@ pub use work::LIMIT as COLLISION_LIMIT;
 use glam::{DAffine3, DVec3};
 use woodcock_core::camera::{self, Camera};
 use woodcock_core::light::{Distant, Lights};
-use woodcock_core::path::{Convex, RECORD_WORDS};
+use woodcock_core::path::{Convex, RECORD_WORDS, Settings};
 use woodcock_core::ray::{FAR, Ray as CoreRay};
 use woodcock_core::vec3::Vec3;
 
@@ -152,6 +152,24 @@ impl World {
         found.iter().any(|s| s.2 == medium && s.0 <= 0.0)
     }
 
+    /// How packets trace paths; the depth is for the user to limit.
+    pub(crate) fn settings(&self) -> Settings {
+        let forced = !self.needs.runs(Feature::FreePassage) && self.needs.runs(Feature::Scattering);
+        let all = Settings::default();
+        Settings {
+            points: !self.needs.runs(Feature::IndependentSamples),
+            forced,
+            faint: if self.needs.runs(Feature::FaintShadowRays) {
+                Settings::ALL_SHADOW_RAYS
+            } else {
+                faint(&self.media)
+            },
+            // What a flight leaves is small where most of it has passed and been scored, and not because it is lost.
+            roulette: if forced { 0.03 } else { all.roulette },
+            ..all
+        }
+    }
+
     /// The lights as kernels see them.
     pub fn lights(&self) -> Lights<'_> {
         Lights {
@@ -271,6 +289,7 @@ pub fn assemble(scene: &Scene, files: &dyn Files, options: &Options) -> Result<W
         keep,
         &mut needs,
     );
+    path_needed(scene, &assembled.media, &place, keep, &mut needs);
     let (distant, environment) = lights(scene)?;
     let records = assembled
         .media
@@ -353,6 +372,85 @@ fn scalar_needed(
     // Where media overlap, a place does not tell which of them scatters.
     let keep = if overlaps { &[] } else { keep };
     needs.decide(Feature::EquiAngular, near && !overlaps, keep, reason);
+}
+
+/// What the paths of packets may leave out.
+fn path_needed(
+    scene: &Scene,
+    media: &[Medium],
+    place: &Location,
+    keep: &[Feature],
+    needs: &mut Needs,
+) {
+    if !needs.in_packets() {
+        let reason = "the scalar integrators";
+        for feature in [
+            Feature::Scattering,
+            Feature::FreePassage,
+            Feature::FaintShadowRays,
+            Feature::IndependentSamples,
+        ] {
+            needs.decide(feature, true, keep, reason);
+        }
+        return;
+    }
+    let scatters = media.iter().any(|m| m.record.albedo != [0.0; 3]);
+    let reason = match (scatters, media.is_empty()) {
+        (true, _) => "a medium scatters",
+        (false, false) => "absorption only: transmittance alone",
+        (false, true) => "no medium to be seen",
+    };
+    let scatters = needs.decide(Feature::Scattering, scatters, keep, reason);
+    let one = matches!(place, Location::Convex(convex) if *convex != Convex::Everywhere)
+        && !needs.runs(Feature::Tracking)
+        && !needs.runs(Feature::SeveralMedia);
+    let grey = !needs.runs(Feature::Chromatic);
+    let escapes = !needs.runs(Feature::EnvironmentNextEvent);
+    let reason = match (scatters, one, grey, escapes) {
+        (false, ..) => "no flight to end",
+        (true, true, true, true) => {
+            "one homogeneous grey medium: each flight collides, what would pass is scored"
+        }
+        (true, true, true, false) => "the sky is sampled as well",
+        (true, true, false, _) => "extinction differs between colours",
+        (true, false, ..) => "no closed form for what passes",
+    };
+    let passage = scatters && !(one && grey && escapes);
+    needs.decide(Feature::FreePassage, passage, keep, reason);
+    let reason = if !scatters || scene.lights.is_empty() {
+        "no shadow ray".to_owned()
+    } else {
+        let faint = faint(media);
+        format!("one that scattering favours less than {faint:.3}/sr is traced by chance only")
+    };
+    needs.decide(Feature::FaintShadowRays, false, keep, reason);
+    let reason = "sixteen samples of a pixel share out their first choices";
+    needs.decide(Feature::IndependentSamples, false, keep, reason);
+}
+
+/// The density of scattering [1/sr] below which shadow rays are faint: a share of the root mean square of that of the
+/// most even medium.
+///
+/// A shadow ray costs about the same whatever it brings, so it should be traced with a probability in proportion to
+/// that, and what is usual in the scene is worth its cost. The share was found on clouds with g = 0 and g = 0.85.
+pub(crate) fn faint(media: &[Medium]) -> f32 {
+    const SHARE: f64 = 0.7;
+    const UNIFORM: f64 = 0.25 / std::f64::consts::PI;
+    let scattering = media.iter().filter(|m| m.record.albedo != [0.0; 3]);
+    let rms = scattering.map(|medium| {
+        let g = f64::from(medium.record.g);
+        if medium.record.rayleigh {
+            UNIFORM * (2.1_f64 * 8.0 / 15.0).sqrt()
+        } else {
+            UNIFORM * (1.0 + g * g).sqrt() / (1.0 - g * g)
+        }
+    });
+    let least = rms.fold(f64::INFINITY, f64::min);
+    if least.is_finite() {
+        (SHARE * least) as f32
+    } else {
+        Settings::default().faint
+    }
 }
 
 /// Size of the picture, and the part of it to render.

@@ -33,11 +33,19 @@ pub enum Feature {
     DetailedMedia,
     /// Distances sampled by how near a light is.
     EquiAngular,
+    /// Directions after a collision, and all that comes of them.
+    Scattering,
+    /// Flights that pass a medium by chance.
+    FreePassage,
+    /// Shadow rays however little they would bring.
+    FaintShadowRays,
+    /// First choices drawn apart from those of other samples.
+    IndependentSamples,
 }
 
 impl Feature {
     /// All of them, in the order of the table.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 16] = [
         Self::Tracking,
         Self::Chromatic,
         Self::SeveralMedia,
@@ -50,6 +58,10 @@ impl Feature {
         Self::LocalLights,
         Self::DetailedMedia,
         Self::EquiAngular,
+        Self::Scattering,
+        Self::FreePassage,
+        Self::FaintShadowRays,
+        Self::IndependentSamples,
     ];
 
     /// Its name on the command line and in statistics.
@@ -67,6 +79,10 @@ impl Feature {
             Self::LocalLights => "local-lights",
             Self::DetailedMedia => "detailed-media",
             Self::EquiAngular => "equi-angular",
+            Self::Scattering => "scattering",
+            Self::FreePassage => "free-passage",
+            Self::FaintShadowRays => "faint-shadow-rays",
+            Self::IndependentSamples => "independent-samples",
         }
     }
 
