@@ -20,6 +20,8 @@ pub enum Command {
     Explain(ExplainArgs),
     /// `woodcock info`.
     Info(InfoArgs),
+    /// `woodcock compare`.
+    Compare(CompareArgs),
 }
 
 #[derive(Debug, Parser)]
@@ -47,9 +49,9 @@ enum Sub {
     Explain(ExplainArgs),
     /// Describe a .vdb, .nvdb, .vol or .exr file
     Info(InfoArgs),
+    /// Say whether two images show the same; exit code 1 if they differ significantly
+    Compare(CompareArgs),
     // Names that are taken, so that they are not mistaken for scenes.
-    #[command(hide = true, disable_help_flag = true)]
-    Compare(Later),
     #[command(hide = true, disable_help_flag = true)]
     Bench(Later),
     #[command(hide = true, disable_help_flag = true)]
@@ -79,6 +81,13 @@ pub struct RenderArgs {
     /// Stop after this time, between whole passes
     #[arg(long, value_name = "SECONDS", value_parser = values::seconds)]
     pub time: Option<Duration>,
+    /// Relative error at which to stop, as 0.01 or 1%
+    ///
+    /// A pilot render, thrown away, decides how many samples each block of 8 x 8 pixels gets, so that with 95 % confidence its error
+    /// is at most R: the root mean square over its pixels and colours of (standard error of the mean) / sqrt(mean^2 + 0.01 m^2), m the
+    /// mean of the picture. With --spp, no pixel gets more samples than that; a target not reached ends with exit code 3.
+    #[arg(long, value_name = "R", value_parser = values::relative)]
+    pub target_error: Option<f64>,
     /// Seed of the random numbers
     #[arg(long, value_name = "N")]
     pub seed: Option<u64>,
@@ -125,7 +134,7 @@ pub struct RenderArgs {
     #[arg(long, value_name = "FILE.json")]
     pub stats: Option<PathBuf>,
     /// Trace a single path again and tell its story; writes no image
-    #[arg(long, value_name = "X,Y,SAMPLE", value_parser = values::replay, conflicts_with_all = ["outputs", "stats", "spp", "time"])]
+    #[arg(long, value_name = "X,Y,SAMPLE", value_parser = values::replay, conflicts_with_all = ["outputs", "stats", "spp", "time", "target_error"])]
     pub replay: Option<Replay>,
     /// Most memory for volumes and film, with K, M, G or T
     #[arg(long, value_name = "BYTES", value_parser = values::bytes)]
@@ -145,8 +154,6 @@ pub struct RenderArgs {
 #[derive(Args, Clone, Debug, Default, PartialEq)]
 pub struct LaterFlags {
     #[arg(long, hide = true, num_args = 1)]
-    target_error: Option<Box<str>>,
-    #[arg(long, hide = true, num_args = 1)]
     shard: Option<Box<str>>,
     #[arg(long, hide = true)]
     resume: bool,
@@ -157,7 +164,6 @@ pub struct LaterFlags {
 impl LaterFlags {
     fn first(&self) -> Option<&'static str> {
         [
-            (self.target_error.is_some(), "--target-error"),
             (self.shard.is_some(), "--shard"),
             (self.resume, "--resume"),
             (self.display_server.is_some(), "--display-server"),
@@ -199,6 +205,23 @@ pub struct InfoArgs {
     /// Exact line integral along a world segment; may be repeated
     #[arg(long, value_name = "X0,Y0,Z0,X1,Y1,Z1", value_parser = values::segment, allow_hyphen_values = true)]
     pub ray: Vec<[f64; 6]>,
+    /// Most memory, with K, M, G or T
+    #[arg(long, value_name = "BYTES", value_parser = values::bytes)]
+    pub max_memory: Option<u64>,
+}
+
+/// Arguments of `compare`.
+#[derive(Args, Clone, Debug, Default, PartialEq)]
+pub struct CompareArgs {
+    /// An .exr image of woodcock
+    #[arg(value_name = "A.exr")]
+    pub first: PathBuf,
+    /// Another of the same size
+    #[arg(value_name = "B.exr")]
+    pub second: PathBuf,
+    /// How often images of the same expectation may be said to differ
+    #[arg(long, value_name = "RATE", value_parser = values::relative, default_value = "0.001")]
+    pub false_alarms: f64,
     /// Most memory, with K, M, G or T
     #[arg(long, value_name = "BYTES", value_parser = values::bytes)]
     pub max_memory: Option<u64>,
@@ -251,7 +274,7 @@ pub fn parse(args: impl IntoIterator<Item = OsString>) -> Result<Command, clap::
         Some(Sub::Render(args)) => render(*args),
         Some(Sub::Explain(args)) => Ok(Command::Explain(args)),
         Some(Sub::Info(args)) => Ok(Command::Info(args)),
-        Some(Sub::Compare(_)) => Err(not_yet("compare")),
+        Some(Sub::Compare(args)) => Ok(Command::Compare(args)),
         Some(Sub::Bench(_)) => Err(not_yet("bench")),
         Some(Sub::Merge(_)) => Err(not_yet("merge")),
         Some(Sub::Farm(_)) => Err(not_yet("farm")),

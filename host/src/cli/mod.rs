@@ -2,13 +2,14 @@
 //!
 //! [`main`] is handed the commands' work as functions ([`Commands`]), so that nothing here knows how a scene is loaded or rendered.
 //!
-//! Exit codes: 0 done, also when `--time` is reached; 1 scene or file error; 2 usage; 3 stopped before what was asked
-//! (signal, or time up before the samples asked for), with a valid partial image.
+//! Exit codes: 0 done, also when `--time` is reached; 1 scene or file error, or images that differ; 2 usage; 3 stopped before what was asked
+//! (signal, or time up before the samples or the error asked for), with a valid partial image.
 
 pub mod args;
 #[cfg(test)]
 mod args_tests;
 pub mod commands;
+mod compare;
 pub mod cpu;
 pub mod failure;
 pub mod info;
@@ -16,6 +17,7 @@ pub mod progress;
 pub mod render;
 #[cfg(test)]
 mod render_tests;
+mod shoot;
 pub mod values;
 
 use args::{Command, ExplainArgs, InfoArgs, RenderArgs};
@@ -52,6 +54,14 @@ pub fn main(args: impl IntoIterator<Item = OsString>, commands: &Commands) -> Ex
         Command::Render(args) if args.replay.is_some() => (commands.replay)(&args).map(show),
         Command::Render(args) => render::run(&args, commands.prepare),
         Command::Explain(args) => (commands.explain)(&args).map(show),
+        Command::Compare(args) => compare::run(&args).map(|(text, differ)| {
+            let shown = show(text);
+            if differ {
+                ExitCode::from(failure::EXIT_FAILURE)
+            } else {
+                shown
+            }
+        }),
         Command::Info(args) => {
             let extension = args.file.extension();
             let is_image = extension.is_some_and(|e| e.eq_ignore_ascii_case("exr"));
