@@ -6,6 +6,8 @@
 //! [`film`] sums their samples exactly, and [`image`] writes the picture.
 #![forbid(unsafe_code)]
 
+#[cfg(feature = "cli")]
+pub mod bench;
 pub mod bsdf;
 pub mod builtin;
 #[cfg(feature = "cli")]

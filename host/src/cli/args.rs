@@ -2,6 +2,7 @@
 //!
 //! What a flag's name promises and this version cannot do is refused with a sentence, never ignored.
 
+use super::method::{self, MethodSpec};
 use super::values::{self, Replay};
 pub use crate::integrator::Integrator;
 pub use crate::render::Kernel;
@@ -22,6 +23,8 @@ pub enum Command {
     Info(InfoArgs),
     /// `woodcock compare`.
     Compare(CompareArgs),
+    /// `woodcock bench`.
+    Bench(Box<BenchArgs>),
 }
 
 #[derive(Debug, Parser)]
@@ -51,9 +54,9 @@ enum Sub {
     Info(InfoArgs),
     /// Say whether two images show the same; exit code 1 if they differ significantly
     Compare(CompareArgs),
+    /// Measure run time against error of several methods: table, CSV, SVG and an HTML page
+    Bench(Box<BenchArgs>),
     // Names that are taken, so that they are not mistaken for scenes.
-    #[command(hide = true, disable_help_flag = true)]
-    Bench(Later),
     #[command(hide = true, disable_help_flag = true)]
     Merge(Later),
     #[command(hide = true, disable_help_flag = true)]
@@ -227,6 +230,59 @@ pub struct CompareArgs {
     pub max_memory: Option<u64>,
 }
 
+/// Arguments of `bench`.
+#[derive(Args, Clone, Debug, Default, PartialEq)]
+pub struct BenchArgs {
+    /// Scenes; the built-in cloud if none is given
+    #[arg(value_name = "SCENE.pbrt")]
+    pub scenes: Vec<PathBuf>,
+    /// A method, as path,kernel=scalar,transmittance=delta,keep=FEATURE,split=N; may be repeated. Those that suit the scene if not given
+    #[arg(short, long = "method", value_name = "METHOD", value_parser = method::method)]
+    pub methods: Vec<MethodSpec>,
+    /// Name of the files to write, to which .csv, .svg and .html are added
+    #[arg(short, long, value_name = "NAME", default_value = "woodcock-bench")]
+    pub output: PathBuf,
+    /// Time for everything, about; 120 if not given
+    #[arg(long, value_name = "SECONDS", value_parser = values::seconds)]
+    pub time: Option<Duration>,
+    /// Small pictures in ten seconds: to see that it runs
+    #[arg(long)]
+    pub quick: bool,
+    /// Budgets, each of twice as many samples as the one before
+    #[arg(long, value_name = "N", default_value_t = 6, value_parser = clap::value_parser!(u32).range(3..=16))]
+    pub budgets: u32,
+    /// Runs of each method at each budget
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(2..=1000))]
+    pub seeds: u32,
+    /// Seed from which those of all runs are counted
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub seed: u64,
+    /// Picture to compare with, an .exr with variance, of other seeds; rendered if not given
+    #[arg(long, value_name = "FILE.exr", conflicts_with = "reference_method")]
+    pub reference: Option<PathBuf>,
+    /// Method that renders the reference; the first if not given
+    #[arg(long, value_name = "METHOD", value_parser = method::method)]
+    pub reference_method: Option<MethodSpec>,
+    /// Size of the pictures, in place of the scenes'
+    #[arg(long, value_name = "WxH", value_parser = values::resolution)]
+    pub resolution: Option<[u32; 2]>,
+    /// Most scatterings of a path; without it, no limit but the scene's
+    #[arg(long, value_name = "N")]
+    pub max_depth: Option<u32>,
+    /// Threads; 0 for all
+    #[arg(short, long = "threads", visible_alias = "nthreads", value_name = "N")]
+    pub threads: Option<usize>,
+    /// Most memory for volumes and film, with K, M, G or T
+    #[arg(long, value_name = "BYTES", value_parser = values::bytes)]
+    pub max_memory: Option<u64>,
+    /// Warn about what is not understood in a scene instead of stopping
+    #[arg(long)]
+    pub lenient: bool,
+    /// No progress
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
 /// Further layers of an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Aov {
@@ -275,7 +331,7 @@ pub fn parse(args: impl IntoIterator<Item = OsString>) -> Result<Command, clap::
         Some(Sub::Explain(args)) => Ok(Command::Explain(args)),
         Some(Sub::Info(args)) => Ok(Command::Info(args)),
         Some(Sub::Compare(args)) => Ok(Command::Compare(args)),
-        Some(Sub::Bench(_)) => Err(not_yet("bench")),
+        Some(Sub::Bench(args)) => Ok(Command::Bench(args)),
         Some(Sub::Merge(_)) => Err(not_yet("merge")),
         Some(Sub::Farm(_)) => Err(not_yet("farm")),
     }

@@ -151,7 +151,6 @@ fn what_does_not_work_yet_is_refused_and_not_listed() {
         ("--resume", "--resume"),
         ("a.pbrt --shard 1/4", "--shard"),
         ("--display-server localhost:14158", "--display-server"),
-        ("bench", "bench"),
         ("merge a.exr -o b.exr", "merge"),
         ("farm slurm a.pbrt -n 4", "farm"),
     ] {

@@ -30,6 +30,7 @@ pub(super) struct Loaded {
     pub(super) name: String,
 }
 
+/// Reads and assembles a scene.
 fn load(
     scene_file: Option<&PathBuf>,
     options: &world::Options,
@@ -86,8 +87,22 @@ fn options(args: &RenderArgs) -> Result<world::Options, Failure> {
     })
 }
 
+/// Reads and assembles the scene of `render`'s arguments.
+pub(super) fn open(args: &RenderArgs) -> Result<Loaded, Failure> {
+    load(
+        args.scene.as_ref(),
+        &options(args)?,
+        args.lenient,
+        args.quiet,
+    )
+}
+
 /// The plan that arguments make for a world, and the name of its transmittance estimator.
-fn plan(args: &RenderArgs, scene: &Scene, world: &World) -> Result<(Plan, String), Failure> {
+pub(super) fn plan(
+    args: &RenderArgs,
+    scene: &Scene,
+    world: &World,
+) -> Result<(Plan, String), Failure> {
     let tracking = world.needs.runs(Feature::Tracking);
     let estimator = match args.transmittance {
         Some(Transmittance::Closed) if tracking => {
@@ -183,8 +198,7 @@ fn fit(args: &RenderArgs, plan: &mut Plan) -> Result<(), Failure> {
 /// Scene and volume errors; usage that does not fit the scene.
 pub fn prepare(args: &RenderArgs) -> Result<Prepared, Failure> {
     let setup = Instant::now();
-    let options = options(args)?;
-    let loaded = load(args.scene.as_ref(), &options, args.lenient, args.quiet)?;
+    let loaded = open(args)?;
     let (plan, transmittance) = plan(args, &loaded.scene, &loaded.world)?;
     let image_name = args.scene.as_ref().and_then(|_| {
         let name = &loaded.scene.film.filename;
@@ -232,12 +246,7 @@ pub fn replay(args: &RenderArgs) -> Result<String, Failure> {
     let Some(wanted) = args.replay else {
         return Err(Failure::Usage("--replay x,y,sample is missing".into()));
     };
-    let loaded = load(
-        args.scene.as_ref(),
-        &options(args)?,
-        args.lenient,
-        args.quiet,
-    )?;
+    let loaded = open(args)?;
     let [width, height] = loaded.world.resolution;
     let (x, y, sample) = (wanted.x, wanted.y, wanted.sample);
     if x >= width || y >= height {

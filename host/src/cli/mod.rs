@@ -8,11 +8,13 @@
 pub mod args;
 #[cfg(test)]
 mod args_tests;
+pub mod bench;
 pub mod commands;
 mod compare;
 pub mod cpu;
 pub mod failure;
 pub mod info;
+pub mod method;
 pub mod progress;
 pub mod render;
 #[cfg(test)]
@@ -20,7 +22,7 @@ mod render_tests;
 mod shoot;
 pub mod values;
 
-use args::{Command, ExplainArgs, InfoArgs, RenderArgs};
+use args::{BenchArgs, Command, ExplainArgs, InfoArgs, RenderArgs};
 use failure::Failure;
 use render::Prepared;
 use std::ffi::OsString;
@@ -38,6 +40,8 @@ pub struct Commands {
     pub explain: fn(&ExplainArgs) -> Result<String, Failure>,
     /// Describes a volume file. Images are described here.
     pub info: fn(&InfoArgs) -> Result<String, Failure>,
+    /// Measures run time against error, and writes it down.
+    pub bench: fn(&BenchArgs) -> Result<String, Failure>,
 }
 
 /// Runs a command line, program name first.
@@ -54,6 +58,7 @@ pub fn main(args: impl IntoIterator<Item = OsString>, commands: &Commands) -> Ex
         Command::Render(args) if args.replay.is_some() => (commands.replay)(&args).map(show),
         Command::Render(args) => render::run(&args, commands.prepare),
         Command::Explain(args) => (commands.explain)(&args).map(show),
+        Command::Bench(args) => (commands.bench)(&args).map(show),
         Command::Compare(args) => compare::run(&args).map(|(text, differ)| {
             let shown = show(text);
             if differ {
