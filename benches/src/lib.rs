@@ -2,9 +2,15 @@
 //! compared.
 #![forbid(unsafe_code)]
 
+pub mod agreement;
+pub mod analog;
+pub mod measure;
+pub mod noise;
+pub mod picture;
 pub mod plot;
 pub mod profile;
 pub mod relative;
+pub mod yardstick;
 
 use std::time::Instant;
 
@@ -164,4 +170,11 @@ pub fn variance_within_rays(values: &[Vec<f32>]) -> f64 {
 /// Whether cargo asks for one quick run of everything (`cargo bench -- --test`, or `cargo test`).
 pub fn quick() -> bool {
     std::env::args().any(|argument| argument == "--test")
+}
+
+/// Whether the command line asks for a row: names it, or names none.
+pub fn selected(name: &str) -> bool {
+    let mut names = std::env::args().skip(1).filter(|a| !a.starts_with('-'));
+    let first = names.next();
+    first.is_none() || first.into_iter().chain(names).any(|wanted| wanted == name)
 }

@@ -135,6 +135,52 @@ pub fn judge(ways: &[Runs], width: usize) -> Vec<Quality> {
         .collect()
 }
 
+/// The mean of all runs of all ways pixel by pixel, each way weighted by one over its variance; for smooth pictures and long
+/// runs, where it needs no blocks.
+pub fn reference(ways: &[&Runs]) -> Picture {
+    let pixels = ways.iter().flat_map(|runs| &runs.0).map(Vec::len).min();
+    let pixels = pixels.unwrap_or(0);
+    let weights: Vec<f64> = ways
+        .iter()
+        .map(|runs| 1.0 / runs.variance(pixels).max(f64::MIN_POSITIVE))
+        .collect();
+    let total: f64 = weights.iter().sum();
+    let mean = |pixel: usize, channel: usize| {
+        let weighted = ways.iter().zip(&weights);
+        let sum: f64 = weighted
+            .map(|(runs, w)| w * runs.moments(pixel, channel).0)
+            .sum();
+        sum / total
+    };
+    (0..pixels)
+        .map(|pixel| [0, 1, 2].map(|channel| mean(pixel, channel)))
+        .collect()
+}
+
+impl Runs {
+    /// Mean over pixels and channels of the relative mean squared error of one run, its variance seen from run to run.
+    pub fn error(&self, reference: &Picture) -> f64 {
+        let count = 3.0 * reference.len() as f64;
+        let mean = reference.iter().flatten().sum::<f64>() / count;
+        let floor = FLOOR * mean * mean;
+        let pixels = reference.iter().enumerate();
+        let of = |(pixel, value): (usize, &[f64; 3])| -> f64 {
+            let channels = value.iter().enumerate();
+            let error =
+                |(channel, v): (usize, &f64)| self.moments(pixel, channel).1 / (v * v + floor);
+            channels.map(error).sum()
+        };
+        pixels.map(of).sum::<f64>() / count
+    }
+
+    /// All runs but one.
+    #[must_use]
+    pub fn without(&self, run: usize) -> Self {
+        let others = self.0.iter().enumerate().filter(|(i, _)| *i != run);
+        Self(others.map(|(_, picture)| picture.clone()).collect())
+    }
+}
+
 /// Relative mean squared error of one run in a block.
 fn relative(runs: &Runs, block: &[usize], scale: &[f64; 3]) -> f64 {
     let sum: f64 = block
@@ -183,6 +229,17 @@ mod tests {
             assert!((quality.mean - 1.0).abs() < 1e-12);
             assert!((quality.mean_error - deviation).abs() < 1e-12);
         }
+    }
+
+    #[test]
+    fn errors_pixel_by_pixel_are_those_of_blocks_where_pictures_are_flat() {
+        let ways = [around_one(0.1), around_one(0.3)];
+        let reference = reference(&[&ways[0], &ways[1]]);
+        for (runs, deviation) in ways.iter().zip([0.1, 0.3]) {
+            let error = 2.0 * deviation * deviation / 1.01;
+            assert!((runs.error(&reference) - error).abs() < 1e-12);
+        }
+        assert_eq!(ways[0].without(1).0.len(), 1);
     }
 
     #[test]

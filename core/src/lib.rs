@@ -103,6 +103,7 @@ pub mod majorant;
 pub mod medium;
 pub mod path;
 pub mod phase;
+pub mod points;
 pub mod ray;
 pub mod real;
 pub mod spectral;

@@ -80,8 +80,16 @@ impl Plan {
             split: 1,
             layers: false,
             seed,
-            replicate: 1,
-            settings: Settings { max_depth, shadow },
+            replicate: if std::env::var("WP").is_ok() { 16 } else { 1 },
+            settings: Settings {
+                max_depth,
+                shadow,
+                points: std::env::var("WP").is_ok(),
+                forced: std::env::var("WF").is_ok(),
+                faint: std::env::var("WN").map_or(0.0, |s| s.parse().unwrap_or(0.0)),
+                dim: std::env::var("WD").map_or(0.01, |s| s.parse().unwrap_or(0.0)),
+                roulette: std::env::var("WR").map_or(0.25, |s| s.parse().unwrap_or(0.0)),
+            },
         }
     }
 

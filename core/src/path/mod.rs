@@ -55,6 +55,17 @@ pub struct Settings {
     pub max_depth: u32,
     /// Shadow rays.
     pub shadow: ShadowEstimator,
+    /// Whether first choices take [points](crate::points) that lie well; else all come from the stream.
+    pub points: bool,
+    /// Whether each flight within a medium of constant extinction collides, what would have passed being scored as it
+    /// goes; for scenes whose rays meet one stretch of one medium at most.
+    pub forced: bool,
+    /// The density of scattering towards a light, times throughput [1/sr], below which shadow rays play roulette.
+    pub faint: f32,
+    /// dim
+    pub dim: f32,
+    /// The throughput below which a path plays roulette, and survives with it.
+    pub roulette: f32,
 }
 
 impl Default for Settings {
@@ -62,6 +73,11 @@ impl Default for Settings {
         Self {
             max_depth: u32::MAX,
             shadow: ShadowEstimator::Ratio,
+            points: false,
+            forced: false,
+            faint: 0.0,
+            dim: 0.01,
+            roulette: 0.25,
         }
     }
 }

@@ -4,10 +4,11 @@ use crate::collision;
 use crate::majorant::Tracker;
 use crate::path::{Counts, Geometry, Optics, PathSample, Scene, ShadowEstimator, Tapped};
 use crate::phase::Phase;
+use crate::points::{Choice, LaneStrata, Stratified};
 use crate::ray::{FAR, Ray};
 use crate::real::{Mask, Real, Word};
 use crate::spectral::{Tentative, history_aware};
-use crate::stream::KeyedStream;
+use crate::stream::{KeyedStream, Stream};
 use crate::transmittance::{self, Rule};
 use crate::vec3::Vec3;
 
@@ -39,6 +40,7 @@ struct Hit<R: Real> {
 #[derive(Clone, Debug)]
 pub struct Paths<R: Real, W, S, const CHROMATIC: bool, const ANY_RAYLEIGH: bool> {
     stream: S,
+    strata: LaneStrata<R::Word>,
     tracker: Tracker<R, W>,
     ray: Ray<R>,
     /// Where the tracker's ray begins: the entry of the present stretch, and its distance.
@@ -54,19 +56,22 @@ pub struct Paths<R: Real, W, S, const CHROMATIC: bool, const ANY_RAYLEIGH: bool>
     /// What the shadow ray's light brings, but for its transmittance, which is `weight`.
     direct: Vec3<R>,
     weight: Vec3<R>,
+    /// Below this weight the shadow ray plays roulette, and survives with it.
+    floor: R,
     depth: R::Word,
     /// Density with which the present direction was sampled [1/sr].
     pdf: R,
     shadow: R::Mask,
-    touched: R::Mask,
+    /// Chance of the camera ray to meet a medium's particles.
+    alpha: R,
+    /// Lanes on their way to the first tentative collision of a camera ray.
+    opening: R::Mask,
     stages: [R::Mask; 4],
     counts: Counts,
 }
 
 /// A word beyond any number of stretches: the next search finds nothing.
 const NO_MORE: u32 = 1 << 30;
-/// Below this throughput a path plays roulette, and survives with it.
-const ROULETTE_THROUGHPUT: f32 = 0.25;
 /// Below this weight a shadow ray plays roulette, and survives with it.
 const ROULETTE_SHADOW: f32 = 0.125;
 /// A density that no competing strategy comes near.
@@ -85,6 +90,7 @@ where
         let none = R::Mask::splat(false);
         Self {
             stream: S::idle(),
+            strata: LaneStrata::idle(),
             tracker: Tracker::idle(medium.idle()),
             ray: Ray {
                 origin: zero,
@@ -107,10 +113,12 @@ where
             radiance: zero,
             direct: zero,
             weight: zero,
+            floor: R::zero(),
             depth: R::Word::splat(0),
             pdf: R::zero(),
             shadow: none,
-            touched: none,
+            alpha: R::zero(),
+            opening: none,
             stages: [none; 4],
             counts: Counts::default(),
         }
@@ -135,6 +143,12 @@ where
         &mut self.stream
     }
 
+    /// Gives lanes the strata of their first choices, before a launch where there are points.
+    #[inline(always)]
+    pub fn set_strata(&mut self, strata: LaneStrata<R::Word>, lanes: R::Mask) {
+        self.strata = LaneStrata::select(lanes, strata, self.strata);
+    }
+
     /// What has been done so far.
     pub fn counts(&self) -> &Counts {
         &self.counts
@@ -145,7 +159,7 @@ where
     pub fn sample(&self, lane: usize) -> PathSample {
         PathSample {
             radiance: self.radiance.lane(lane),
-            alpha: f32::from(u8::from(self.touched.lane(lane))),
+            alpha: self.alpha.lane(lane),
         }
     }
 
@@ -171,14 +185,27 @@ where
     /// * `x`, `y`: column and row of each path's pixel.
     #[inline(always)]
     pub fn launch<M, G: ?Sized>(&mut self, scene: &Scene<'_, M, G>, x: R, y: R, lanes: R::Mask) {
-        let ray = scene.camera.ray(x, y, &mut self.stream, lanes);
+        let ray = if scene.settings.points {
+            let strata = &self.strata;
+            let choices = [
+                Choice::PixelX,
+                Choice::PixelY,
+                Choice::LensRadius,
+                Choice::LensTurn,
+            ];
+            let leading = choices.map(|choice| strata.leading(choice));
+            let mut stream = Stratified::<R, S, 4>::new(&mut self.stream, leading, lanes);
+            scene.camera.ray(x, y, &mut stream, lanes)
+        } else {
+            scene.camera.ray(x, y, &mut self.stream, lanes)
+        };
         self.ray = Ray::select(lanes, &ray, &self.ray);
         self.throughput = Vec3::select(lanes, Vec3::uniform(1.0), self.throughput);
         self.radiance = Vec3::select(lanes, Vec3::uniform(0.0), self.radiance);
         self.depth = R::Word::select(lanes, R::Word::splat(0), self.depth);
         self.pdf = R::select(lanes, R::splat(CERTAIN), self.pdf);
         self.shadow = self.shadow.and_not(lanes);
-        self.touched = self.touched.and_not(lanes);
+        self.alpha = R::select(lanes, R::zero(), self.alpha);
         self.counts.paths += u64::from(lanes.count());
         self.begin_ray(lanes);
         self.stages[Stage::Enter as usize] = self.at(Stage::Enter) | lanes;
@@ -230,13 +257,88 @@ where
                     tracked = tracked.and_not(through);
                 }
             }
-            self.tracker.begin(t1 - t0, &mut self.stream, tracked);
-            self.go(tracked, Stage::Enter, Stage::Track);
+            let length = t1 - t0;
+            if M::TIGHT && !CHROMATIC && scene.settings.forced {
+                self.force(scene, length, tracked);
+            } else {
+                self.begin_flight(scene, length, tracked);
+                self.go(tracked, Stage::Enter, Stage::Track);
+            }
         }
         let ended = lanes.and_not(found);
         if ended.any() {
             self.end_ray(scene, ended);
         }
+    }
+
+    /// The lanes whose present flight is one of the first three, and its leading digits.
+    #[inline(always)]
+    fn flight_digits(&self, lanes: R::Mask) -> (R::Mask, R::Word) {
+        let nth = |n: u32| self.depth.eq(R::Word::splat(n));
+        let choices = [Choice::Flight0, Choice::Flight1, Choice::Flight2];
+        self.digits(lanes, [nth(0), nth(1), nth(2)], choices)
+    }
+
+    /// The lanes in any of three classes, and the leading digits of the choice of each class.
+    #[inline(always)]
+    fn digits(
+        &self,
+        lanes: R::Mask,
+        classes: [R::Mask; 3],
+        choices: [Choice; 3],
+    ) -> (R::Mask, R::Word) {
+        let [a, b, c] = choices.map(|choice| self.strata.leading(choice));
+        let word = R::Word::select(classes[0], a, R::Word::select(classes[1], b, c));
+        (lanes & (classes[0] | classes[1] | classes[2]), word)
+    }
+
+    /// Draws the depth of the first tentative collision on a stretch.
+    #[inline(always)]
+    fn begin_flight<M, G: ?Sized>(&mut self, scene: &Scene<'_, M, G>, length: R, lanes: R::Mask) {
+        if scene.settings.points {
+            // Further stretches of a ray draw anew: what the first took is spent.
+            let first = lanes.and_not(self.shadow) & self.cursor.eq(R::Word::splat(0));
+            let (early, word) = self.flight_digits(first);
+            if early.any() {
+                let mut stream = Stratified::<R, S, 1>::new(&mut self.stream, [word], early);
+                self.tracker.begin(length, &mut stream, lanes);
+                self.opening =
+                    self.opening.and_not(lanes) | (early & self.depth.eq(R::Word::splat(0)));
+                return;
+            }
+        }
+        self.tracker.begin(length, &mut self.stream, lanes);
+    }
+
+    /// Flights that collide in any case on a stretch of constant extinction, beyond which is the environment alone:
+    /// what passes is scored, and the collision is that of a flight known not to pass.
+    #[inline(always)]
+    fn force<M, G>(&mut self, scene: &Scene<'_, M, G>, length: R, lanes: R::Mask)
+    where
+        M: Tapped<R, Walk = W>,
+        G: Geometry<R> + ?Sized,
+    {
+        let sigma_t = scene.medium.segment(&self.tracker.walk).majorant;
+        let collides = -(-(sigma_t * length)).exp_m1();
+        let passed = self.throughput * (R::one() - collides);
+        let sky = Vec3::splat(scene.lights.environment);
+        let radiance = self.radiance + passed.times(sky);
+        self.radiance = Vec3::select(lanes, radiance, self.radiance);
+        self.throughput = Vec3::select(lanes, self.throughput * collides, self.throughput);
+        let camera = self.depth.eq(R::Word::splat(0)) & lanes;
+        let alpha = R::select(camera, collides, self.alpha);
+        let u = if scene.settings.points {
+            let (early, word) = self.flight_digits(lanes);
+            Stratified::<R, S, 1>::new(&mut self.stream, [word], early).uniform_fine(lanes)
+        } else {
+            self.stream.uniform_fine(lanes)
+        };
+        let t = ((u * collides).neg_ln_1m() / sigma_t).min(length);
+        let number = u64::from(lanes.count());
+        self.counts.tentative_collisions += number;
+        self.counts.real_collisions += number;
+        self.record_hit(scene, Stage::Enter, t, lanes);
+        self.alpha = alpha;
     }
 
     /// Shadow rays through a stretch whose transmittance has a closed form.
@@ -334,7 +436,15 @@ where
                 real
             } else {
                 let walk = &self.tracker.walk;
-                let decided = scene.medium.decide(walk, tap, majorant, rng, flight);
+                let decided = if scene.settings.points {
+                    let first = self.opening & flight;
+                    self.opening = self.opening.and_not(flight);
+                    let digits = [self.strata.leading(Choice::Acceptance)];
+                    let mut rng = Stratified::<R, S, 1>::new(rng, digits, first);
+                    scene.medium.decide(walk, tap, majorant, &mut rng, flight)
+                } else {
+                    scene.medium.decide(walk, tap, majorant, rng, flight)
+                };
                 self.count_exact::<M>(decided.exact, decided.violated);
                 decided.real
             };
@@ -343,7 +453,7 @@ where
             self.counts.null_collisions += u64::from(flight.count()) - reals;
         }
         if real.any() {
-            self.record_hit(scene, t, real);
+            self.record_hit(scene, Stage::Collide, t, real);
         }
         let mut onward = flight.and_not(real);
         if shadow.any() {
@@ -368,7 +478,7 @@ where
 
     /// Keeps the place and the optics of real collisions.
     #[inline(always)]
-    fn record_hit<M, G>(&mut self, scene: &Scene<'_, M, G>, t: R, real: R::Mask)
+    fn record_hit<M, G>(&mut self, scene: &Scene<'_, M, G>, from: Stage, t: R, real: R::Mask)
     where
         M: Tapped<R, Walk = W>,
         G: Geometry<R> + ?Sized,
@@ -380,14 +490,14 @@ where
             albedo: Vec3::select(real, albedo, self.hit.albedo),
             phase: Phase::select(real, &phase, &self.hit.phase),
         };
-        self.touched = self.touched | real;
+        self.alpha = R::select(real, self.alpha.max(R::one()), self.alpha);
         if scene.geometry.overlaps() {
             // Another stretch may hold a nearer one; search on, up to here.
             self.limit = R::select(real, self.entered + t, self.limit);
             self.next_stretch(real);
-            self.go(real, Stage::Collide, Stage::Enter);
+            self.go(real, from, Stage::Enter);
         } else {
-            self.go(real, Stage::Collide, Stage::Scatter);
+            self.go(real, from, Stage::Scatter);
         }
     }
 
@@ -428,7 +538,7 @@ where
             new.x
         };
         let factor =
-            collision::roulette(largest, R::splat(ROULETTE_SHADOW), &mut self.stream, shadow);
+            collision::roulette(largest, self.floor, &mut self.stream, shadow);
         self.weight = Vec3::select(shadow, new * factor, old);
         (largest * factor).eq(R::zero()) & shadow
     }
@@ -449,7 +559,7 @@ where
         let throughput = self.throughput.times(self.hit.albedo);
         let factor = collision::roulette(
             throughput.max_component(),
-            R::splat(ROULETTE_THROUGHPUT),
+            R::splat(scene.settings.roulette),
             &mut self.stream,
             alive,
         );
@@ -462,7 +572,7 @@ where
         self.ray.origin = Vec3::select(alive, self.hit.point, self.ray.origin);
         let incoming = self.ray.direction;
         let phase = self.hit.phase;
-        let (u, turn) = (self.stream.uniform(alive), self.stream.uniform(alive));
+        let (u, turn) = self.phase_numbers(scene.settings.points, alive);
         let cosine = phase.sample::<ANY_RAYLEIGH>(u);
         let direction = incoming.deflected(cosine, turn);
         if scene.lights.sample_environment {
@@ -471,7 +581,14 @@ where
         if scene.lights.count() == 0 {
             self.ray.direction = Vec3::select(alive, direction, incoming);
         } else {
-            let light = scene.lights.sample(&mut self.stream, alive);
+            let light = if scene.settings.points && scene.lights.count() > 1 {
+                let first = self.depth.eq(R::Word::splat(1)) & alive;
+                let digits = [self.strata.leading(Choice::Light)];
+                let mut stream = Stratified::<R, S, 1>::new(&mut self.stream, digits, first);
+                scene.lights.sample(&mut stream, alive)
+            } else {
+                scene.lights.sample(&mut self.stream, alive)
+            };
             let density = phase.eval::<ANY_RAYLEIGH>(incoming.dot(light.direction));
             // Balance heuristic; one for a light that only next-event estimation can find.
             let share = if scene.lights.sample_environment {
@@ -484,14 +601,45 @@ where
                 R::one()
             };
             let direct = self.throughput.times(light.radiance) * (density * share);
-            self.direct = Vec3::select(alive, direct, self.direct);
-            self.weight = Vec3::select(alive, Vec3::uniform(1.0), self.weight);
-            self.next_direction = Vec3::select(alive, direction, self.next_direction);
-            self.ray.direction = Vec3::select(alive, light.direction, incoming);
-            self.shadow = self.shadow | alive;
+            // A shadow ray that would bring little is seldom worth its way.
+            let promise = self.throughput.max_component() * density;
+            let factor = collision::roulette(
+                promise,
+                R::splat(scene.settings.faint),
+                &mut self.stream,
+                alive,
+            );
+            let looks = alive.and_not(factor.eq(R::zero()));
+            self.direct = Vec3::select(looks, direct * factor, self.direct);
+            self.weight = Vec3::select(looks, Vec3::uniform(1.0), self.weight);
+            let floor = R::splat(scene.settings.dim) / promise.max(R::splat(scene.settings.faint));
+            self.floor = R::select(looks, floor.min(R::splat(0.5)), self.floor);
+            self.next_direction = Vec3::select(looks, direction, self.next_direction);
+            let onward = Vec3::select(looks, light.direction, direction);
+            self.ray.direction = Vec3::select(alive, onward, incoming);
+            self.shadow = self.shadow | looks;
         }
         self.begin_ray(alive);
         self.go(alive, Stage::Scatter, Stage::Enter);
+    }
+
+    /// Two uniform numbers for the direction of a scattering that has been counted.
+    #[inline(always)]
+    fn phase_numbers(&mut self, points: bool, alive: R::Mask) -> (R, R) {
+        if points {
+            let nth = |n: u32| self.depth.eq(R::Word::splat(n));
+            let classes = [nth(1), nth(2), nth(3)];
+            let cosines = [Choice::Cosine0, Choice::Cosine1, Choice::Cosine2];
+            let turns = [Choice::Turn0, Choice::Turn1, Choice::Turn2];
+            let (early, cosine) = self.digits(alive, classes, cosines);
+            if early.any() {
+                let (_, turn) = self.digits(alive, classes, turns);
+                let leading = [cosine, turn];
+                let mut stream = Stratified::<R, S, 2>::new(&mut self.stream, leading, early);
+                return (stream.uniform(alive), stream.uniform(alive));
+            }
+        }
+        (self.stream.uniform(alive), self.stream.uniform(alive))
     }
 
     /// Runs one stage.

@@ -198,23 +198,30 @@ impl Tile {
     ///
     /// As [`add`](Self::add). If they are the whole replicate, and finite, they say what its mean is.
     pub fn add_replicate(&mut self, x: u32, y: u32, first: u32, samples: &[PathSample]) {
-        let mut sum = [0.0_f64; 3];
-        for (path, sample) in samples.iter().zip(first..) {
-            self.add(x, y, sample, path.radiance, path.alpha);
-            for (sum, value) in sum.iter_mut().zip(path.radiance) {
-                *sum += f64::from(value);
-            }
-        }
         let whole =
             first.is_multiple_of(self.replicate) && samples.len() == self.replicate as usize;
+        let channel = |c: usize| samples.iter().map(move |path| path.radiance[c]);
+        let exact = [0, 1, 2].map(|c| sum::exact_sum(channel(c)));
+        let alpha = sum::exact_sum(samples.iter().map(|path| path.alpha));
+        let sums = if let ([Some(r), Some(g), Some(b)], Some(alpha)) = (exact, alpha) {
+            assert!(self.window.contains(x, y), "pixel outside its tile");
+            let index = self.window.index(x, y);
+            self.pixels[index].add_sums(samples.len() as u32, [r, g, b], alpha);
+            [r, g, b]
+        } else {
+            for (path, sample) in samples.iter().zip(first..) {
+                self.add(x, y, sample, path.radiance, path.alpha);
+            }
+            [0, 1, 2].map(|c| channel(c).map(f64::from).sum())
+        };
         // What is not finite leaves its mark on the sums.
         let finite = |path: &PathSample| path.alpha.is_finite();
-        if !(whole && sum.iter().all(|s| s.is_finite()) && samples.iter().all(finite)) {
+        if !(whole && sums.iter().all(|s| s.is_finite()) && samples.iter().all(finite)) {
             return;
         }
         let index = self.window.index(x, y);
         if let Some(replicates) = self.replicates.get_mut(index) {
-            let mean = sum.map(|sum| (sum / f64::from(self.replicate)) as f32);
+            let mean = sums.map(|sum| (sum / f64::from(self.replicate)) as f32);
             replicates.add(mean);
             self.pixels[index].add_squares(mean);
         }

@@ -52,6 +52,16 @@ impl PixelMoments {
         true
     }
 
+    /// Adds paths to the mean by sums that were found without rounding: their number, radiance and alpha.
+    #[inline]
+    pub(super) fn add_sums(&mut self, samples: u32, radiance: [f64; 3], alpha: f64) {
+        self.samples += samples;
+        self.alpha.add_exact(alpha);
+        for (sum, x) in self.radiance.iter_mut().zip(radiance) {
+            sum.add_exact(x);
+        }
+    }
+
     /// Adds the squares of finite numbers.
     #[inline]
     pub(super) fn add_squares(&mut self, values: [f32; 3]) {

@@ -37,6 +37,22 @@ const fn halve(x: i64) -> Halves {
     [x as u32, (x >> 32) as u32]
 }
 
+/// The sum of numbers, if `f64` holds it and every sum of the first of them; that of samples of like size nearly always.
+#[inline]
+pub(super) fn exact_sum(numbers: impl Iterator<Item = f32>) -> Option<f64> {
+    let (mut sum, mut lost) = (0.0_f64, 0.0_f64);
+    for number in numbers {
+        // What an addition loses is itself a number, found without error [Knuth 1997].
+        let x = f64::from(number);
+        let next = sum + x;
+        let of_x = next - sum;
+        lost += ((sum - (next - of_x)) + (x - of_x)).abs();
+        sum = next;
+    }
+    // Not finite: lost is NaN.
+    (lost == 0.0).then_some(sum)
+}
+
 /// An order-independent sum of `f32` samples or of their squares (module documentation).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BinnedSum {
@@ -68,6 +84,18 @@ impl BinnedSum {
         self.add_scaled(u64::from(mantissa), exponent, x.is_sign_negative());
     }
 
+    /// Adds the sum of several finite samples, if it has been found without rounding: see [`exact_sum`].
+    #[inline]
+    pub fn add_exact(&mut self, sum: f64) {
+        let bits = sum.to_bits();
+        let exponent = ((bits >> 52) & 0x7ff) as i32;
+        if exponent == 0 {
+            return; // zero: sums of f32 are never as small as the subnormal f64
+        }
+        let mantissa = (bits & ((1 << 52) - 1)) | (1 << 52);
+        self.add_scaled(mantissa, exponent - 1075, sum.is_sign_negative());
+    }
+
     /// Adds the exact square of a finite sample.
     #[inline]
     pub fn add_square(&mut self, x: f32) {
@@ -76,7 +104,7 @@ impl BinnedSum {
         self.add_scaled(mantissa * mantissa, 2 * exponent, false);
     }
 
-    /// Adds `mantissa · 2^exponent`, negated if asked; `mantissa` below 2⁴⁸.
+    /// Adds `mantissa · 2^exponent`, negated if asked; `mantissa` below 2⁵³.
     #[inline]
     fn add_scaled(&mut self, mantissa: u64, exponent: i32, negative: bool) {
         if mantissa == 0 {
