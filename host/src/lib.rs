@@ -6,10 +6,13 @@
 //! [`film`] sums their samples exactly, and [`image`] writes the picture.
 #![forbid(unsafe_code)]
 
+#[cfg(feature = "cli")]
+pub mod bench;
 pub mod bsdf;
 pub mod builtin;
 #[cfg(feature = "cli")]
 pub mod cli;
+pub mod compare;
 pub mod drive;
 pub mod film;
 pub mod image;
@@ -18,6 +21,7 @@ pub mod integrator;
 pub mod light;
 mod line;
 pub mod output;
+pub mod pilot;
 pub mod ray;
 pub mod render;
 pub mod report;

@@ -13,7 +13,7 @@ use woodcock_packet::lanes::Lanes;
 use woodcock_packet::trace::{self, PathRequest};
 
 use crate::drive::Progress;
-use crate::film::{Film, Landing, Place, Tile};
+use crate::film::{Allotment, Film, Landing, Place, Places, Tile};
 use crate::integrator::{self, Integrator};
 use crate::world::{Feature, Location, World};
 
@@ -287,6 +287,7 @@ struct Pass<'a> {
     plan: &'a Plan,
     film: &'a mut Film,
     samples: Range<u32>,
+    allotment: Option<&'a Allotment>,
     progress: &'a dyn Progress,
 }
 
@@ -305,7 +306,7 @@ impl Job for Pass<'_> {
                 scene,
                 self.world,
                 self.plan,
-                self.samples.clone(),
+                &Places::new(tile.window(), self.samples.clone(), self.allotment),
                 tile,
             );
             self.progress.advance(counts.paths);
@@ -392,33 +393,20 @@ fn trace_tile<M, G, const CHROMATIC: bool, const RAYLEIGH: bool>(
     scene: &Scene<'_, M, G>,
     world: &World,
     plan: &Plan,
-    samples: Range<u32>,
+    places: &Places,
     tile: &mut Tile,
 ) -> Counts
 where
     M: AnyMedium,
     G: Geometry<f32> + Geometry<Lanes> + ?Sized,
 {
-    let window = tile.window();
-    let [width, _] = window.size();
-    let per_pixel = samples.len();
-    let place = |index: usize| {
-        let (pixel, sample) = (index / per_pixel, index % per_pixel);
-        let (x, y) = (pixel as u32 % width, pixel as u32 / width);
-        Place {
-            x: window.x0 + x,
-            y: window.y0 + y,
-            sample: samples.start + sample as u32,
-            samples: samples.clone(),
-        }
-    };
-    let requests = (0..window.pixels() as usize * per_pixel).map(|index| {
-        let Place { x, y, sample, .. } = place(index);
+    let requests = (0..places.len()).map(|index| {
+        let Place { x, y, sample, .. } = places.place(index);
         request(world, plan.seed, x, y, sample)
     });
     let mut landing = Landing::default();
     let mut counts = Counts::default();
-    let mut land = |index: usize, path| landing.land(tile, place(index), path);
+    let mut land = |index: usize, path| landing.land(tile, places.place(index), path);
     match (plan.kernel, plan.absorbs(world)) {
         (Kernel::Packet, false) => {
             counts = trace::trace::<M, G, CHROMATIC, RAYLEIGH>(scene, requests, land);
@@ -449,9 +437,23 @@ pub fn render_pass(
     samples: Range<u32>,
     progress: &dyn Progress,
 ) -> Counts {
+    render_allotted(world, plan, film, samples, None, progress)
+}
+
+/// The same, of each pixel only those samples that an allotment grants.
+///
+/// Where light lands in other pixels (`bdpt`, `mlt`) all pixels get the same samples: an allotment is to be uniform.
+pub fn render_allotted(
+    world: &World,
+    plan: &Plan,
+    film: &mut Film,
+    samples: Range<u32>,
+    allotment: Option<&Allotment>,
+    progress: &dyn Progress,
+) -> Counts {
     debug_assert_eq!(film.replicate(), plan.replicate, "a film for this plan");
     if !plan.in_packets(world) {
-        return integrator::render_pass(world, plan, film, samples, progress);
+        return integrator::render_pass(world, plan, film, samples, allotment, progress);
     }
     with_kernel(
         world,
@@ -461,6 +463,7 @@ pub fn render_pass(
             plan,
             film,
             samples,
+            allotment,
             progress,
         },
     )

@@ -11,12 +11,14 @@
 //!
 //! Paths that are not finite are dropped and counted with the place that reproduces them ([`NonfinitePaths`]).
 
+mod allotment;
 mod estimate;
 mod layers;
 mod moments;
 pub mod replicates;
 pub mod sum;
 
+pub use allotment::{Allotment, Places};
 pub use layers::{LayerMeans, LayerSample};
 pub use moments::PixelMoments;
 pub use replicates::{Landing, Pixel, Place};

@@ -49,7 +49,7 @@ pub enum Feature {
 
 impl Feature {
     /// All of them, in the order of the table.
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 18] = [
         Self::Tracking,
         Self::Chromatic,
         Self::SeveralMedia,

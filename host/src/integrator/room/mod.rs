@@ -4,15 +4,13 @@
 mod blueprint;
 mod flats;
 
-use std::ops::Range;
-
 use woodcock_core::path::{Counts, PathSample};
 use woodcock_packet::room;
 
 pub(crate) use blueprint::Blueprint;
 
 use super::Integrator;
-use crate::film::{Landing, Place, Tile};
+use crate::film::{Landing, Place, Places, Tile};
 use crate::render::{Kernel, Plan};
 use crate::world::{Feature, World};
 
@@ -29,28 +27,15 @@ pub(super) fn render_tile(
     world: &World,
     plan: &Plan,
     tile: &mut Tile,
-    samples: Range<u32>,
+    places: &Places,
 ) -> Counts {
     let walls = blueprint.room(world, plan);
-    let window = tile.window();
-    let [width, _] = window.size();
-    let per_pixel = samples.len();
-    let place = |index: usize| {
-        let (pixel, sample) = (index / per_pixel, index % per_pixel);
-        let (x, y) = (pixel as u32 % width, pixel as u32 / width);
-        Place {
-            x: window.x0 + x,
-            y: window.y0 + y,
-            sample: samples.start + sample as u32,
-            samples: samples.clone(),
-        }
-    };
-    let requests = (0..window.pixels() as usize * per_pixel).map(|index| {
-        let Place { x, y, sample, .. } = place(index);
+    let requests = (0..places.len()).map(|index| {
+        let Place { x, y, sample, .. } = places.place(index);
         crate::render::request(world, plan.seed, x, y, sample)
     });
     let mut landing = Landing::default();
-    let mut land = |index: usize, path| landing.land(tile, place(index), path);
+    let mut land = |index: usize, path| landing.land(tile, places.place(index), path);
     match plan.kernel {
         Kernel::Packet => room::trace(&walls, requests, land),
         Kernel::Scalar => {
