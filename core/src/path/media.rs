@@ -139,6 +139,19 @@ const LAST: usize = 28;
 const EDGE: usize = 31;
 
 impl MediumRecord {
+    /// The medium as light of one colour has it: grey.
+    ///
+    /// * `colour`: 0, 1 or 2.
+    pub fn of_colour(&self, colour: usize) -> Self {
+        let pick = |of: [f32; 3]| of.get(colour).copied().unwrap_or(0.0);
+        Self {
+            scale: self.scale * pick(self.colour),
+            colour: [1.0; 3],
+            albedo: [pick(self.albedo); 3],
+            ..*self
+        }
+    }
+
     /// The record as the words of a table.
     pub fn to_words(&self) -> [u32; RECORD_WORDS] {
         let mut words = [0; RECORD_WORDS];

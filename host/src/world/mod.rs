@@ -430,6 +430,7 @@ fn path_needed(
             Feature::Scattering,
             Feature::FreePassage,
             Feature::FaintShadowRays,
+            Feature::SharedPaths,
         ] {
             needs.decide(feature, true, keep, reason);
         }
@@ -451,7 +452,22 @@ fn path_needed(
     let one = matches!(place, Location::Convex(convex) if *convex != Convex::Everywhere)
         && !needs.runs(Feature::Tracking)
         && !needs.runs(Feature::SeveralMedia);
-    let grey = !needs.runs(Feature::Chromatic);
+    let spread = spread(media);
+    let alike = spread < COLOURS_APART;
+    let reason = match (needs.runs(Feature::Chromatic), alike) {
+        (false, _) => "extinction is grey".to_owned(),
+        (true, true) => {
+            format!("extinction differs between colours by a factor of {spread:.2} only")
+        }
+        (true, false) => {
+            format!(
+                "extinction differs {spread:.1}-fold between colours: each has grey paths of its own"
+            )
+        }
+    };
+    let chromatic = needs.runs(Feature::Chromatic);
+    let shared = needs.decide(Feature::SharedPaths, !chromatic || alike, keep, reason);
+    let grey = !(chromatic && shared);
     let escapes = !needs.runs(Feature::EnvironmentNextEvent);
     let reason = match (scatters, one, grey, escapes) {
         (false, ..) => "no flight to end",
@@ -476,6 +492,20 @@ fn path_needed(
 
 /// Why samples need not be independent.
 const SHARED: &str = "sixteen samples of a pixel share out their first choices";
+
+/// Colours whose extinctions differ by this factor or more have paths of their own. One path for all carries weights
+/// that drift apart with each collision until it serves one colour, at the cost of the most opaque.
+const COLOURS_APART: f64 = 1.33;
+
+/// The largest over the smallest extinction of a medium's colours, of the medium where they differ most; infinite
+/// where one has none.
+fn spread(media: &[Medium]) -> f64 {
+    let of = |medium: &Medium| {
+        let least = medium.record.colour.into_iter().fold(1.0, f32::min);
+        1.0 / f64::from(least)
+    };
+    media.iter().map(of).fold(1.0, f64::max)
+}
 
 /// The density of scattering [1/sr] below which shadow rays are faint: a share of the root mean square of that of the
 /// most even medium.

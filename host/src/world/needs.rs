@@ -43,13 +43,15 @@ pub enum Feature {
     FreePassage,
     /// Shadow rays however little they would bring.
     FaintShadowRays,
+    /// Paths that carry all colours.
+    SharedPaths,
     /// First choices drawn apart from those of other samples.
     IndependentSamples,
 }
 
 impl Feature {
     /// All of them, in the order of the table.
-    pub const ALL: [Self; 18] = [
+    pub const ALL: [Self; 19] = [
         Self::Tracking,
         Self::Chromatic,
         Self::SeveralMedia,
@@ -67,6 +69,7 @@ impl Feature {
         Self::Scattering,
         Self::FreePassage,
         Self::FaintShadowRays,
+        Self::SharedPaths,
         Self::IndependentSamples,
     ];
 
@@ -90,6 +93,7 @@ impl Feature {
             Self::Scattering => "scattering",
             Self::FreePassage => "free-passage",
             Self::FaintShadowRays => "faint-shadow-rays",
+            Self::SharedPaths => "shared-paths",
             Self::IndependentSamples => "independent-samples",
         }
     }
@@ -168,6 +172,11 @@ impl Needs {
             Feature::EquiAngular,
         ];
         !scalar.into_iter().any(|feature| self.runs(feature))
+    }
+
+    /// Whether packets trace a path for each colour, grey.
+    pub(crate) fn colours_apart(&self) -> bool {
+        self.in_packets() && !self.runs(Feature::SharedPaths)
     }
 
     /// Whether the code of a feature runs.

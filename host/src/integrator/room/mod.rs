@@ -10,7 +10,7 @@ use woodcock_packet::room;
 pub(crate) use blueprint::Blueprint;
 
 use super::Integrator;
-use crate::film::{Landing, Place, Places, Tile};
+use crate::film::{Places, Tile};
 use crate::render::{Kernel, Plan};
 use crate::world::{Feature, World};
 
@@ -30,22 +30,19 @@ pub(super) fn render_tile(
     places: &Places,
 ) -> Counts {
     let walls = blueprint.room(world, plan);
-    let requests = (0..places.len()).map(|index| {
-        let Place { x, y, sample, .. } = places.place(index);
-        crate::render::request(world, plan.seed, x, y, sample)
-    });
-    let mut landing = Landing::default();
-    let mut land = |index: usize, path| landing.land(tile, places.place(index), path);
-    match plan.kernel {
-        Kernel::Packet => room::trace(&walls, requests, land),
-        Kernel::Scalar => {
-            let mut counts = Counts::default();
-            for (index, request) in requests.enumerate() {
-                land(index, room::trace_scalar(&walls, request, &mut counts));
+    crate::render::trace_tile(world, plan, places, tile, |requests, paths| {
+        let requests = requests.iter();
+        match plan.kernel {
+            Kernel::Packet => room::trace(&walls, requests, |index, path| paths[index] = path),
+            Kernel::Scalar => {
+                let mut counts = Counts::default();
+                for (path, request) in paths.iter_mut().zip(requests) {
+                    *path = room::trace_scalar(&walls, request, &mut counts);
+                }
+                counts
             }
-            counts
         }
-    }
+    })
 }
 
 /// One path again: what it brings, and what it met.
