@@ -1,12 +1,12 @@
 //! Rendering pass by pass: how many samples next, and when to stop.
 //!
-//! A pass adds the same range of samples to every pixel. Between passes, and only there, the clock and signals are heeded, so the
-//! picture always holds whole passes: every pixel has the same samples. Sums are exact, so the same samples give the
+//! A pass adds the same range of samples to every pixel, or to every pixel that is still to get some. Between passes, and only
+//! there, the clock and signals are heeded, so the picture always holds whole passes: every pixel has the same samples, or all of its own. Sums are exact, so the same samples give the
 //! same bits however they were cut into passes.
 //!
 //! Stopping on the clock is not strictly unbiased (a dear path delays the stop), which is why such an image says so.
 
-use crate::film::{Film, sum};
+use crate::film::{Allotment, Film, sum};
 use std::ops::Range;
 use std::time::Duration;
 
@@ -31,6 +31,8 @@ pub struct Goal {
 pub enum Stopping {
     /// All samples asked for were traced.
     Samples,
+    /// All samples were traced that the error asked for takes.
+    Target,
     /// The clock ran out.
     Time,
     /// The user or the system asked to stop.
@@ -42,6 +44,7 @@ impl Stopping {
     pub const fn name(self) -> &'static str {
         match self {
             Self::Samples => "samples",
+            Self::Target => "target",
             Self::Time => "time",
             Self::Signal => "signal",
         }
@@ -112,16 +115,54 @@ pub fn drive<E>(
     film: &mut Film,
     goal: &Goal,
     watch: Watch<'_>,
-    mut pass: impl FnMut(&mut Film, Range<u32>) -> Result<(), E>,
+    pass: impl FnMut(&mut Film, Range<u32>) -> Result<(), E>,
 ) -> Result<Outcome, E> {
     let pixels = film.window().pixels();
+    watch.progress.begin(pixels, goal);
+    passes(film, goal, &|_| pixels, watch, pass)
+}
+
+/// The same where pixels get the samples of an allotment, which `pass` is to heed, and none the others. `goal.samples` is
+/// not looked at.
+pub fn drive_allotted<E>(
+    film: &mut Film,
+    goal: &Goal,
+    allotment: &Allotment,
+    watch: Watch<'_>,
+    pass: impl FnMut(&mut Film, Range<u32>) -> Result<(), E>,
+) -> Result<Outcome, E> {
+    let shown = Goal {
+        samples: Some((allotment.mean().ceil() as u32).max(1)),
+        ..*goal
+    };
+    watch.progress.begin(film.window().pixels(), &shown);
+    let goal = Goal {
+        samples: Some(allotment.largest()),
+        ..*goal
+    };
+    passes(
+        film,
+        &goal,
+        &|sample| allotment.pixels_with(sample),
+        watch,
+        pass,
+    )
+}
+
+/// Passes in which so many pixels get the sample of an index.
+fn passes<E>(
+    film: &mut Film,
+    goal: &Goal,
+    pixels: &dyn Fn(u32) -> u64,
+    watch: Watch<'_>,
+    mut pass: impl FnMut(&mut Film, Range<u32>) -> Result<(), E>,
+) -> Result<Outcome, E> {
     let room = sum::CAPACITY.min(u32::MAX - goal.first_sample);
     let wanted = goal.samples.unwrap_or(room).min(room);
-    let largest = (PATHS_PER_PASS / pixels.max(1)).max(1);
     let start = (watch.clock)();
     let elapsed = || (watch.clock)().saturating_sub(start);
-    watch.progress.begin(pixels, goal);
     let mut done = 0;
+    let mut paths = 0_u64;
     let stopping = loop {
         if done >= wanted {
             break Stopping::Samples;
@@ -129,15 +170,18 @@ pub fn drive<E>(
         if done > 0 && (watch.interrupted)() {
             break Stopping::Signal;
         }
+        let first = goal.first_sample + done;
+        let active = pixels(first).max(1);
+        let largest = (PATHS_PER_PASS / active).max(1);
         let mut count = u64::from(done.max(1)).min(largest) as u32;
         if let Some(limit) = goal.time.filter(|_| done > 0) {
             let left = limit.saturating_sub(elapsed());
             if left.is_zero() {
                 break Stopping::Time;
             }
-            count = count.min(fitting(left, elapsed(), done));
+            let pace = paths as f64 / active as f64;
+            count = count.min(fitting(left, elapsed(), pace));
         }
-        let first = goal.first_sample + done;
         count = whole(first, count, goal.replicate).min(wanted - done);
         let result = pass(film, first..first + count);
         if result.is_err() {
@@ -145,6 +189,7 @@ pub fn drive<E>(
         }
         result?;
         done += count;
+        paths += active * u64::from(count);
         let error = watch
             .progress
             .wants_error()
@@ -158,7 +203,9 @@ pub fn drive<E>(
         samples: goal.first_sample..goal.first_sample + done,
         render_time: elapsed(),
         complete: match stopping {
-            Stopping::Samples => goal.samples.is_none_or(|samples| done == samples),
+            Stopping::Samples | Stopping::Target => {
+                goal.samples.is_none_or(|samples| done == samples)
+            }
             Stopping::Time => goal.samples.is_none(),
             Stopping::Signal => false,
         },
@@ -173,9 +220,10 @@ fn whole(first: u32, count: u32, replicate: u32) -> u32 {
     end - first
 }
 
-/// Samples per pixel that fit the time left at the pace so far; at least one, so the limit is passed by less than a sample per pixel.
-fn fitting(left: Duration, elapsed: Duration, done: u32) -> u32 {
-    let pace = elapsed.as_secs_f64() / f64::from(done);
+/// Samples per pixel that fit the time left at the pace so far, `done` per pixel; at least one, so the limit is passed by less
+/// than a sample per pixel.
+fn fitting(left: Duration, elapsed: Duration, done: f64) -> u32 {
+    let pace = elapsed.as_secs_f64() / done;
     (left.as_secs_f64() / pace).max(1.0) as u32 // a pace of zero gives infinity, which saturates
 }
 
@@ -294,6 +342,29 @@ mod tests {
         contiguous(&passes, 0, 4);
         let (outcome, _) = run(16, goal, MS, 0);
         assert_eq!(outcome.samples, 0..1, "there is always a picture");
+    }
+
+    #[test]
+    fn allotted_passes_grow_as_pixels_are_done() {
+        // One pixel of 2^20 wants a million samples, the others two.
+        let window = Window::full([1024; 2]);
+        let allotment = Allotment::new(window, |x, y| if (x, y) == (3, 4) { 1_000_000 } else { 2 });
+        let passes = RefCell::new(Vec::new());
+        let mut film = Film::new([1, 1], Window::full([1, 1]));
+        let watch = Watch {
+            clock: &|| Duration::ZERO,
+            interrupted: &|| false,
+            progress: &Silent,
+        };
+        let goal = Goal::default();
+        let outcome = drive_allotted(&mut film, &goal, &allotment, watch, |_, samples| {
+            passes.borrow_mut().push(samples);
+            Ok::<_, Infallible>(())
+        });
+        let outcome = outcome.unwrap_or_else(|never| match never {});
+        let passes = passes.into_inner();
+        contiguous(&passes, 0, 1_000_000);
+        assert!(outcome.complete && passes.len() < 25, "{}", passes.len());
     }
 
     #[test]

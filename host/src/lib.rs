@@ -6,18 +6,23 @@
 //! [`film`] sums their samples exactly, and [`image`] writes the picture.
 #![forbid(unsafe_code)]
 
+#[cfg(feature = "cli")]
+pub mod bench;
 pub mod bsdf;
 pub mod builtin;
 #[cfg(feature = "cli")]
 pub mod cli;
+pub mod compare;
 pub mod drive;
 pub mod film;
 pub mod image;
 pub mod info;
 pub mod integrator;
+mod kernel;
 pub mod light;
 mod line;
 pub mod output;
+pub mod pilot;
 pub mod ray;
 pub mod render;
 pub mod report;

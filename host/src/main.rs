@@ -4,7 +4,7 @@
 use std::process::ExitCode;
 
 use woodcock_host::cli::failure::EXIT_FAILURE;
-use woodcock_host::cli::{self, Commands, commands, cpu};
+use woodcock_host::cli::{self, Commands, bench, commands, cpu};
 
 fn main() -> ExitCode {
     if let Some(sentence) = cpu::missing_features() {
@@ -16,6 +16,7 @@ fn main() -> ExitCode {
         replay: commands::replay,
         explain: commands::explain,
         info: commands::info,
+        bench: bench::run,
     };
     cli::main(std::env::args_os(), &commands)
 }

@@ -22,7 +22,7 @@ pub struct Statistics {
     pub threads: u64,
     /// Seed of the streams.
     pub seed: u64,
-    /// Samples per pixel that were traced.
+    /// Samples per pixel that were traced; rounded mean where pixels differ.
     pub spp: u64,
     /// Width of the rendered window, in pixels.
     pub width: u64,
@@ -30,9 +30,9 @@ pub struct Statistics {
     pub height: u64,
     /// Reading files and building structures, wall clock.
     pub setup_seconds: f64,
-    /// Rendering, wall clock.
+    /// Rendering, wall clock; with a pilot's.
     pub render_seconds: f64,
-    /// Rendering, user and system time of all threads.
+    /// Rendering, user and system time of all threads; with a pilot's.
     pub cpu_seconds: Option<f64>,
     /// Camera paths.
     pub paths: u64,
@@ -56,6 +56,10 @@ pub struct Statistics {
     pub nonfinite_paths: u64,
     /// [`Film::relative_error`](crate::film::Film::relative_error) of the image.
     pub relative_error: Option<f64>,
+    /// The error that was asked for by `--target-error`.
+    pub target_error: Option<f64>,
+    /// Camera paths of the pilot that decided the counts of samples; not among `paths`.
+    pub pilot_paths: u64,
     /// What the scene needs.
     pub needs: Vec<String>,
     /// What was skipped because the scene does not need it.
@@ -106,7 +110,7 @@ mod tests {
         let contract = "scene integrator transmittance kernel threads seed spp width height \
             setup_seconds render_seconds cpu_seconds paths tentative_collisions real_collisions \
             null_collisions lookups exact_lookups majorant_cells lane_utilisation \
-            majorant_violations nonfinite_paths relative_error needs skipped";
+            majorant_violations nonfinite_paths relative_error target_error pilot_paths needs skipped";
         assert_eq!(keys, contract.split_whitespace().collect::<Vec<_>>());
         assert!(text.contains("\"seed\": 18446744073709551615"), "{text}");
         assert!(text.contains("\"render_seconds\": null"), "{text}");

@@ -26,15 +26,15 @@ const FULL_ENOUGH: u32 = 4;
 
 /// What new paths begin with, by lane: written one by one, read all at once.
 #[derive(Debug, Default)]
-struct Next {
-    place: [[f32; LANES]; 2],
-    state: [[u32; LANES]; 2],
-    strata: [[u32; LANES]; 2],
+pub(crate) struct Next {
+    pub(crate) place: [[f32; LANES]; 2],
+    pub(crate) state: [[u32; LANES]; 2],
+    pub(crate) strata: [[u32; LANES]; 2],
 }
 
 impl Next {
     #[inline(always)]
-    fn set(&mut self, lane: usize, request: &PathRequest) {
+    pub(crate) fn set(&mut self, lane: usize, request: &PathRequest) {
         let state = request.key.initial_state();
         self.place[0][lane] = request.x as f32;
         self.place[1][lane] = request.y as f32;
@@ -43,7 +43,7 @@ impl Next {
     }
 
     #[inline(always)]
-    fn set_strata(&mut self, lane: usize, strata: Strata) {
+    pub(crate) fn set_strata(&mut self, lane: usize, strata: Strata) {
         let [low, high] = strata.words();
         self.strata[0][lane] = low;
         self.strata[1][lane] = high;
@@ -72,14 +72,14 @@ impl Next {
 
 /// The strata of the replicate that was asked for last: paths come in the order of their samples.
 #[derive(Debug, Default)]
-struct Bank {
+pub(crate) struct Bank {
     of: Option<Key>,
     strata: [Strata; points::REPLICATE as usize],
 }
 
 impl Bank {
     #[inline]
-    fn strata(&mut self, key: Key) -> Strata {
+    pub(crate) fn strata(&mut self, key: Key) -> Strata {
         let first = Key {
             sample: key.sample / points::REPLICATE,
             ..key

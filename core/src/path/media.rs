@@ -34,6 +34,15 @@ pub trait PathMedium<R: Real>: Medium<R> {
 
 /// A medium of packets: the extinction at a place is that of one sample of a table, picked at random.
 pub trait Tapped<R: Real>: PathMedium<R> + Sized {
+    /// Whether it sends out light.
+    const SHINES: bool = false;
+
+    /// σ_a L_e by colour \[W/(m³ sr)\] at a place of the world, of a tap's extinction [1/length].
+    #[inline(always)]
+    fn emission(&self, _sigma_t: R, _place: Vec3<R>) -> Vec3<R> {
+        Vec3::uniform(0.0)
+    }
+
     /// Which sample stands for the place at distance `t` of the present segment: all that is asked of a tentative
     /// collision is asked of it.
     fn tap(&self, walk: &Self::Walk, t: R, rng: &mut impl Stream<R>, active: R::Mask) -> R::Word;
@@ -130,6 +139,19 @@ const LAST: usize = 28;
 const EDGE: usize = 31;
 
 impl MediumRecord {
+    /// The medium as light of one colour has it: grey.
+    ///
+    /// * `colour`: 0, 1 or 2.
+    pub fn of_colour(&self, colour: usize) -> Self {
+        let pick = |of: [f32; 3]| of.get(colour).copied().unwrap_or(0.0);
+        Self {
+            scale: self.scale * pick(self.colour),
+            colour: [1.0; 3],
+            albedo: [pick(self.albedo); 3],
+            ..*self
+        }
+    }
+
     /// The record as the words of a table.
     pub fn to_words(&self) -> [u32; RECORD_WORDS] {
         let mut words = [0; RECORD_WORDS];

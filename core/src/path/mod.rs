@@ -27,6 +27,7 @@ mod counts;
 mod geometry;
 mod media;
 mod one_grid;
+mod source;
 mod state;
 
 pub use absorption::{absorb, sample_of};
@@ -40,16 +41,20 @@ pub use media::{
     Tapped,
 };
 pub use one_grid::{OneGrid, Store};
+pub use source::{BlackBodies, Field, Radiance, Shining, Source};
 pub use state::{Paths, Stage};
 
 use crate::camera::Camera;
 use crate::light::Lights;
 
-/// Which estimator a shadow ray uses where the medium has no closed form.
+/// Which estimator of transmittance is used where the medium has no closed form.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ShadowEstimator {
-    /// [`crate::transmittance::ratio`].
+    /// [`crate::transmittance::power_series`] for the camera rays of scenes that only absorb, which see little else;
+    /// [`crate::transmittance::ratio`] with roulette for shadow rays, most of which are soon blocked.
     #[default]
+    ByNeed,
+    /// [`crate::transmittance::ratio`].
     Ratio,
     /// [`crate::transmittance::delta`].
     Delta,
@@ -85,7 +90,7 @@ impl Default for Settings {
     fn default() -> Self {
         Self {
             max_depth: u32::MAX,
-            shadow: ShadowEstimator::Ratio,
+            shadow: ShadowEstimator::ByNeed,
             points: false,
             forced: false,
             faint: 0.06,

@@ -428,11 +428,21 @@ where
         let tap = scene
             .medium
             .tap(&self.tracker.walk, t, &mut self.stream, lanes);
-        let valued = if CHROMATIC { lanes } else { shadow };
+        let valued = if CHROMATIC || M::SHINES {
+            lanes
+        } else {
+            shadow
+        };
         let mut sigma_t = majorant;
         if valued.any() {
             sigma_t = scene.medium.value(&self.tracker.walk, tap, valued);
             self.count_exact::<M>(valued, majorant.lt(sigma_t) & valued);
+        }
+        if M::SHINES && flight.any() {
+            let place = self.entry + self.ray.direction * t;
+            let source = scene.medium.emission(sigma_t, place) * (R::one() / majorant);
+            let radiance = self.radiance + self.throughput.times(source);
+            self.radiance = Vec3::select(flight, radiance, self.radiance);
         }
         let mut real = R::Mask::splat(false);
         if flight.any() {
@@ -528,7 +538,7 @@ where
         let rng = &mut self.stream;
         let old = self.weight;
         let mut lower = |sigma_t: R, weight: R| match scene.settings.shadow {
-            ShadowEstimator::Ratio => {
+            ShadowEstimator::ByNeed | ShadowEstimator::Ratio => {
                 Ratio::collide::<R, M>(weight, sigma_t, majorant, rng, shadow)
             }
             ShadowEstimator::Delta => {

@@ -2,6 +2,7 @@
 //!
 //! What a flag's name promises and this version cannot do is refused with a sentence, never ignored.
 
+use super::method::{self, MethodSpec};
 use super::values::{self, Replay};
 pub use crate::integrator::Integrator;
 pub use crate::render::Kernel;
@@ -20,6 +21,10 @@ pub enum Command {
     Explain(ExplainArgs),
     /// `woodcock info`.
     Info(InfoArgs),
+    /// `woodcock compare`.
+    Compare(CompareArgs),
+    /// `woodcock bench`.
+    Bench(Box<BenchArgs>),
 }
 
 #[derive(Debug, Parser)]
@@ -47,11 +52,11 @@ enum Sub {
     Explain(ExplainArgs),
     /// Describe a .vdb, .nvdb, .vol or .exr file
     Info(InfoArgs),
+    /// Say whether two images show the same; exit code 1 if they differ significantly
+    Compare(CompareArgs),
+    /// Measure run time against error of several methods: table, CSV, SVG and an HTML page
+    Bench(Box<BenchArgs>),
     // Names that are taken, so that they are not mistaken for scenes.
-    #[command(hide = true, disable_help_flag = true)]
-    Compare(Later),
-    #[command(hide = true, disable_help_flag = true)]
-    Bench(Later),
     #[command(hide = true, disable_help_flag = true)]
     Merge(Later),
     #[command(hide = true, disable_help_flag = true)]
@@ -79,6 +84,13 @@ pub struct RenderArgs {
     /// Stop after this time, between whole passes
     #[arg(long, value_name = "SECONDS", value_parser = values::seconds)]
     pub time: Option<Duration>,
+    /// Relative error at which to stop, as 0.01 or 1%
+    ///
+    /// A pilot render, thrown away, decides how many samples each block of 8 x 8 pixels gets, so that with 95 % confidence its error
+    /// is at most R: the root mean square over its pixels and colours of (standard error of the mean) / sqrt(mean^2 + 0.01 m^2), m the
+    /// mean of the picture. With --spp, no pixel gets more samples than that; a target not reached ends with exit code 3.
+    #[arg(long, value_name = "R", value_parser = values::relative)]
+    pub target_error: Option<f64>,
     /// Seed of the random numbers
     #[arg(long, value_name = "N")]
     pub seed: Option<u64>,
@@ -125,7 +137,7 @@ pub struct RenderArgs {
     #[arg(long, value_name = "FILE.json")]
     pub stats: Option<PathBuf>,
     /// Trace a single path again and tell its story; writes no image
-    #[arg(long, value_name = "X,Y,SAMPLE", value_parser = values::replay, conflicts_with_all = ["outputs", "stats", "spp", "time"])]
+    #[arg(long, value_name = "X,Y,SAMPLE", value_parser = values::replay, conflicts_with_all = ["outputs", "stats", "spp", "time", "target_error"])]
     pub replay: Option<Replay>,
     /// Most memory for volumes and film, with K, M, G or T
     #[arg(long, value_name = "BYTES", value_parser = values::bytes)]
@@ -145,8 +157,6 @@ pub struct RenderArgs {
 #[derive(Args, Clone, Debug, Default, PartialEq)]
 pub struct LaterFlags {
     #[arg(long, hide = true, num_args = 1)]
-    target_error: Option<Box<str>>,
-    #[arg(long, hide = true, num_args = 1)]
     shard: Option<Box<str>>,
     #[arg(long, hide = true)]
     resume: bool,
@@ -157,7 +167,6 @@ pub struct LaterFlags {
 impl LaterFlags {
     fn first(&self) -> Option<&'static str> {
         [
-            (self.target_error.is_some(), "--target-error"),
             (self.shard.is_some(), "--shard"),
             (self.resume, "--resume"),
             (self.display_server.is_some(), "--display-server"),
@@ -204,6 +213,76 @@ pub struct InfoArgs {
     pub max_memory: Option<u64>,
 }
 
+/// Arguments of `compare`.
+#[derive(Args, Clone, Debug, Default, PartialEq)]
+pub struct CompareArgs {
+    /// An .exr image of woodcock
+    #[arg(value_name = "A.exr")]
+    pub first: PathBuf,
+    /// Another of the same size
+    #[arg(value_name = "B.exr")]
+    pub second: PathBuf,
+    /// How often images of the same expectation may be said to differ
+    #[arg(long, value_name = "RATE", value_parser = values::relative, default_value = "0.001")]
+    pub false_alarms: f64,
+    /// Most memory, with K, M, G or T
+    #[arg(long, value_name = "BYTES", value_parser = values::bytes)]
+    pub max_memory: Option<u64>,
+}
+
+/// Arguments of `bench`.
+#[derive(Args, Clone, Debug, Default, PartialEq)]
+pub struct BenchArgs {
+    /// Scenes; the built-in cloud if none is given
+    #[arg(value_name = "SCENE.pbrt")]
+    pub scenes: Vec<PathBuf>,
+    /// A method, as path,kernel=scalar,transmittance=delta,keep=FEATURE,split=N; may be repeated. Those that suit the scene if not given
+    #[arg(short, long = "method", value_name = "METHOD", value_parser = method::method)]
+    pub methods: Vec<MethodSpec>,
+    /// Name of the files to write, to which .csv, .svg and .html are added
+    #[arg(short, long, value_name = "NAME", default_value = "woodcock-bench")]
+    pub output: PathBuf,
+    /// Time for everything, about; 120 if not given
+    #[arg(long, value_name = "SECONDS", value_parser = values::seconds)]
+    pub time: Option<Duration>,
+    /// Small pictures in ten seconds: to see that it runs
+    #[arg(long)]
+    pub quick: bool,
+    /// Budgets, each of twice as many samples as the one before
+    #[arg(long, value_name = "N", default_value_t = 6, value_parser = clap::value_parser!(u32).range(3..=16))]
+    pub budgets: u32,
+    /// Runs of each method at each budget
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(2..=1000))]
+    pub seeds: u32,
+    /// Seed from which those of all runs are counted
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub seed: u64,
+    /// Picture to compare with, an .exr with variance, of other seeds; rendered if not given
+    #[arg(long, value_name = "FILE.exr", conflicts_with = "reference_method")]
+    pub reference: Option<PathBuf>,
+    /// Method that renders the reference; the first if not given
+    #[arg(long, value_name = "METHOD", value_parser = method::method)]
+    pub reference_method: Option<MethodSpec>,
+    /// Size of the pictures, in place of the scenes'
+    #[arg(long, value_name = "WxH", value_parser = values::resolution)]
+    pub resolution: Option<[u32; 2]>,
+    /// Most scatterings of a path; without it, no limit but the scene's
+    #[arg(long, value_name = "N")]
+    pub max_depth: Option<u32>,
+    /// Threads; 0 for all
+    #[arg(short, long = "threads", visible_alias = "nthreads", value_name = "N")]
+    pub threads: Option<usize>,
+    /// Most memory for volumes and film, with K, M, G or T
+    #[arg(long, value_name = "BYTES", value_parser = values::bytes)]
+    pub max_memory: Option<u64>,
+    /// Warn about what is not understood in a scene instead of stopping
+    #[arg(long)]
+    pub lenient: bool,
+    /// No progress
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
 /// Further layers of an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Aov {
@@ -228,6 +307,8 @@ pub enum Transmittance {
     Delta,
     /// Closed form, for media that have one
     Closed,
+    /// Power series about a jittered estimate, for scenes that only absorb
+    PowerSeries,
 }
 
 impl Transmittance {
@@ -237,6 +318,7 @@ impl Transmittance {
             Self::Ratio => "ratio",
             Self::Delta => "delta",
             Self::Closed => "closed",
+            Self::PowerSeries => "power-series",
         }
     }
 }
@@ -251,8 +333,8 @@ pub fn parse(args: impl IntoIterator<Item = OsString>) -> Result<Command, clap::
         Some(Sub::Render(args)) => render(*args),
         Some(Sub::Explain(args)) => Ok(Command::Explain(args)),
         Some(Sub::Info(args)) => Ok(Command::Info(args)),
-        Some(Sub::Compare(_)) => Err(not_yet("compare")),
-        Some(Sub::Bench(_)) => Err(not_yet("bench")),
+        Some(Sub::Compare(args)) => Ok(Command::Compare(args)),
+        Some(Sub::Bench(args)) => Ok(Command::Bench(args)),
         Some(Sub::Merge(_)) => Err(not_yet("merge")),
         Some(Sub::Farm(_)) => Err(not_yet("farm")),
     }

@@ -1,21 +1,21 @@
 //! What the commands do: from arguments to scenes, volumes and kernels.
 
-use std::cell::RefCell;
 use std::path::PathBuf;
 use std::time::Instant;
 
-use woodcock_core::path::{Counts, ShadowEstimator};
+use woodcock_core::path::ShadowEstimator;
 
 use super::args::{Aov, ExplainArgs, InfoArgs, RenderArgs, Transmittance};
 use super::failure::{self, Failure};
-use super::render::{Prepared, Rendered};
+use super::render::Prepared;
+use super::shoot::{self, Shot};
 use crate::builtin;
-use crate::drive::{Goal, Watch, drive};
-use crate::image::{Layers, RenderMetadata};
+use crate::drive::Goal;
+use crate::image::Layers;
 use crate::info::{InfoOptions, info_json, info_text};
 use crate::integrator::Integrator;
-use crate::render::{Kernel, Plan, kernel_name, render_pass, replay as replay_path};
-use crate::report::{Statistics, cpu_time};
+use crate::render::{Kernel, Plan, kernel_name, replay as replay_path};
+use crate::report::Statistics;
 use crate::scene::{self, DiskFiles, Files, Scene, SceneError};
 use crate::volume::Limits;
 use crate::world::{self, COLLISION_LIMIT, Feature, World};
@@ -24,12 +24,13 @@ use crate::world::{self, COLLISION_LIMIT, Feature, World};
 const DEFAULT_SAMPLES: u32 = 64;
 
 /// A scene, assembled under the user's choices.
-struct Loaded {
-    scene: Scene,
-    world: World,
-    name: String,
+pub(super) struct Loaded {
+    pub(super) scene: Scene,
+    pub(super) world: World,
+    pub(super) name: String,
 }
 
+/// Reads and assembles a scene.
 fn load(
     scene_file: Option<&PathBuf>,
     options: &world::Options,
@@ -86,8 +87,22 @@ fn options(args: &RenderArgs) -> Result<world::Options, Failure> {
     })
 }
 
+/// Reads and assembles the scene of `render`'s arguments.
+pub(super) fn open(args: &RenderArgs) -> Result<Loaded, Failure> {
+    load(
+        args.scene.as_ref(),
+        &options(args)?,
+        args.lenient,
+        args.quiet,
+    )
+}
+
 /// The plan that arguments make for a world, and the name of its transmittance estimator.
-fn plan(args: &RenderArgs, scene: &Scene, world: &World) -> Result<(Plan, String), Failure> {
+pub(super) fn plan(
+    args: &RenderArgs,
+    scene: &Scene,
+    world: &World,
+) -> Result<(Plan, String), Failure> {
     let tracking = world.needs.runs(Feature::Tracking);
     let estimator = match args.transmittance {
         Some(Transmittance::Closed) if tracking => {
@@ -95,12 +110,18 @@ fn plan(args: &RenderArgs, scene: &Scene, world: &World) -> Result<(Plan, String
                 "--transmittance closed: this scene has media on grids, which have no closed form";
             return Err(Failure::Usage(message.into()));
         }
+        Some(Transmittance::PowerSeries) if world.needs.runs(Feature::Scattering) => {
+            let message = "--transmittance power-series: only scenes that absorb and do not scatter can do it";
+            return Err(Failure::Usage(message.into()));
+        }
         _ if !tracking => Transmittance::Closed,
+        None if !world.needs.runs(Feature::Scattering) => Transmittance::PowerSeries,
         asked => asked.unwrap_or(Transmittance::Ratio),
     };
     let shadow = match estimator {
         Transmittance::Delta => ShadowEstimator::Delta,
-        Transmittance::Ratio | Transmittance::Closed => ShadowEstimator::Ratio,
+        Transmittance::Ratio => ShadowEstimator::Ratio,
+        Transmittance::PowerSeries | Transmittance::Closed => ShadowEstimator::ByNeed,
     };
     let seed = args.seed.or(scene.seed).unwrap_or(0);
     let integrator = args
@@ -183,23 +204,23 @@ fn fit(args: &RenderArgs, plan: &mut Plan) -> Result<(), Failure> {
 /// Scene and volume errors; usage that does not fit the scene.
 pub fn prepare(args: &RenderArgs) -> Result<Prepared, Failure> {
     let setup = Instant::now();
-    let options = options(args)?;
-    let loaded = load(args.scene.as_ref(), &options, args.lenient, args.quiet)?;
+    let loaded = open(args)?;
     let (plan, transmittance) = plan(args, &loaded.scene, &loaded.world)?;
     let image_name = args.scene.as_ref().and_then(|_| {
         let name = &loaded.scene.film.filename;
         (!name.is_empty()).then(|| PathBuf::from(name))
     });
     let goal = Goal {
-        samples: match (args.spp, args.time) {
-            (None, None) => Some(loaded.scene.samples_per_pixel.unwrap_or(DEFAULT_SAMPLES)),
-            (spp, _) => spp,
+        samples: match (args.spp, args.time, args.target_error) {
+            (None, None, None) => Some(loaded.scene.samples_per_pixel.unwrap_or(DEFAULT_SAMPLES)),
+            (spp, ..) => spp,
         },
         time: args.time,
         first_sample: 0,
         replicate: plan.replicate,
     };
-    let pool = pool(args.threads)?;
+    let (target, quiet) = (args.target_error, args.quiet);
+    let pool = shoot::pool(args.threads)?;
     let layers = layers(args);
     let setup_seconds = setup.elapsed().as_secs_f64();
     Ok(Prepared {
@@ -211,89 +232,15 @@ pub fn prepare(args: &RenderArgs) -> Result<Prepared, Failure> {
                 threads: pool.current_num_threads() as u64,
                 ..Statistics::default()
             };
-            render(&loaded, &plan, layers, &goal, &pool, watch, statistics)
+            let shot = Shot {
+                loaded: &loaded,
+                plan: &plan,
+                pool: &pool,
+                watch,
+                quiet,
+            };
+            shoot::render(&shot, layers, &goal, target, statistics)
         }),
-    })
-}
-
-/// The threads that tiles run on; `0` or nothing is one for each core.
-fn pool(threads: Option<usize>) -> Result<rayon::ThreadPool, Failure> {
-    rayon::ThreadPoolBuilder::new()
-        .num_threads(threads.unwrap_or(0))
-        .build()
-        .map_err(|error| Failure::message(format!("cannot start threads: {error}")))
-}
-
-fn render(
-    loaded: &Loaded,
-    plan: &Plan,
-    layers: Layers,
-    goal: &Goal,
-    pool: &rayon::ThreadPool,
-    watch: Watch<'_>,
-    statistics: Statistics,
-) -> Result<Rendered, Failure> {
-    let Loaded { scene, world, name } = loaded;
-    let cpu_before = cpu_time();
-    let mut film = plan.film(world);
-    let counts = RefCell::new(Counts::default());
-    let outcome = drive(&mut film, goal, watch, |film, samples| {
-        let pass = pool.install(|| render_pass(world, plan, film, samples, watch.progress));
-        counts.borrow_mut().add(&pass);
-        Ok::<_, Failure>(())
-    })?;
-    let counts = counts.into_inner();
-    let cpu = cpu_before
-        .zip(cpu_time())
-        .map(|(a, b)| b.saturating_sub(a).as_secs_f64());
-    let used = if plan.in_packets(world) {
-        plan.kernel
-    } else {
-        Kernel::Scalar
-    };
-    let kernel = used.name();
-    let utilisation = match used {
-        Kernel::Packet => {
-            let lanes = counts.steps * woodcock_packet::lanes::LANES as u64;
-            counts.busy_lanes as f64 / lanes.max(1) as f64
-        }
-        Kernel::Scalar => 1.0,
-    };
-    Ok(Rendered {
-        channels: layers.channels(&film),
-        film,
-        metadata: RenderMetadata {
-            seed: plan.seed,
-            scene_hash: scene.source_hash,
-            integrator: plan.integrator.name().to_owned(),
-            kernel: kernel.to_owned(),
-            samples: outcome.samples.clone(),
-            majorant_violations: counts.majorant_violations,
-            stopping: outcome.stopping,
-            render_time: outcome.render_time,
-        },
-        statistics: Statistics {
-            scene: name.clone(),
-            integrator: plan.integrator.name().to_owned(),
-            kernel: kernel.to_owned(),
-            seed: plan.seed,
-            spp: outcome.samples.len() as u64,
-            render_seconds: outcome.render_time.as_secs_f64(),
-            cpu_seconds: cpu,
-            paths: counts.paths,
-            tentative_collisions: counts.tentative_collisions,
-            real_collisions: counts.real_collisions,
-            null_collisions: counts.null_collisions,
-            lookups: counts.lookups,
-            exact_lookups: counts.exact_lookups,
-            majorant_cells: counts.majorant_cells,
-            lane_utilisation: utilisation,
-            majorant_violations: counts.majorant_violations,
-            needs: world.needs.running(),
-            skipped: world.needs.skipped(),
-            ..statistics
-        },
-        complete: outcome.complete,
     })
 }
 
@@ -305,12 +252,7 @@ pub fn replay(args: &RenderArgs) -> Result<String, Failure> {
     let Some(wanted) = args.replay else {
         return Err(Failure::Usage("--replay x,y,sample is missing".into()));
     };
-    let loaded = load(
-        args.scene.as_ref(),
-        &options(args)?,
-        args.lenient,
-        args.quiet,
-    )?;
+    let loaded = open(args)?;
     let [width, height] = loaded.world.resolution;
     let (x, y, sample) = (wanted.x, wanted.y, wanted.sample);
     if x >= width || y >= height {

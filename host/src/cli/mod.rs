@@ -2,23 +2,27 @@
 //!
 //! [`main`] is handed the commands' work as functions ([`Commands`]), so that nothing here knows how a scene is loaded or rendered.
 //!
-//! Exit codes: 0 done, also when `--time` is reached; 1 scene or file error; 2 usage; 3 stopped before what was asked
-//! (signal, or time up before the samples asked for), with a valid partial image.
+//! Exit codes: 0 done, also when `--time` is reached; 1 scene or file error, or images that differ; 2 usage; 3 stopped before what was asked
+//! (signal, or time up before the samples or the error asked for), with a valid partial image.
 
 pub mod args;
 #[cfg(test)]
 mod args_tests;
+pub mod bench;
 pub mod commands;
+mod compare;
 pub mod cpu;
 pub mod failure;
 pub mod info;
+pub mod method;
 pub mod progress;
 pub mod render;
 #[cfg(test)]
 mod render_tests;
+mod shoot;
 pub mod values;
 
-use args::{Command, ExplainArgs, InfoArgs, RenderArgs};
+use args::{BenchArgs, Command, ExplainArgs, InfoArgs, RenderArgs};
 use failure::Failure;
 use render::Prepared;
 use std::ffi::OsString;
@@ -36,6 +40,8 @@ pub struct Commands {
     pub explain: fn(&ExplainArgs) -> Result<String, Failure>,
     /// Describes a volume file. Images are described here.
     pub info: fn(&InfoArgs) -> Result<String, Failure>,
+    /// Measures run time against error, and writes it down.
+    pub bench: fn(&BenchArgs) -> Result<String, Failure>,
 }
 
 /// Runs a command line, program name first.
@@ -52,6 +58,15 @@ pub fn main(args: impl IntoIterator<Item = OsString>, commands: &Commands) -> Ex
         Command::Render(args) if args.replay.is_some() => (commands.replay)(&args).map(show),
         Command::Render(args) => render::run(&args, commands.prepare),
         Command::Explain(args) => (commands.explain)(&args).map(show),
+        Command::Bench(args) => (commands.bench)(&args).map(show),
+        Command::Compare(args) => compare::run(&args).map(|(text, differ)| {
+            let shown = show(text);
+            if differ {
+                ExitCode::from(failure::EXIT_FAILURE)
+            } else {
+                shown
+            }
+        }),
         Command::Info(args) => {
             let extension = args.file.extension();
             let is_image = extension.is_some_and(|e| e.eq_ignore_ascii_case("exr"));

@@ -189,7 +189,7 @@ fn summarise(rendered: &Rendered, images: &[OutputFile]) {
     eprintln!(
         "{}: {} samples per pixel in {:.1} s{error}{early}",
         names.join(", "),
-        rendered.metadata.samples.len(),
+        rendered.statistics.spp,
         rendered.metadata.render_time.as_secs_f64(),
     );
 }

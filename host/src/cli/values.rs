@@ -62,6 +62,17 @@ pub(super) fn seconds(text: &str) -> Result<Duration, String> {
         .ok_or_else(|| "expected a positive number of seconds".to_owned())
 }
 
+/// A positive part of one, as `0.01` or `1%`.
+pub(super) fn relative(text: &str) -> Result<f64, String> {
+    let (number, unit) = match text.strip_suffix('%') {
+        Some(number) => (number, 100.0),
+        None => (text, 1.0),
+    };
+    let number = number.trim().parse().ok().map(|n: f64| n / unit);
+    let number = number.filter(|n| *n >= 1e-6 && *n <= 1.0);
+    number.ok_or_else(|| "expected a relative error, as in 0.01 or 1%".to_owned())
+}
+
 /// A positive number.
 pub(super) fn positive(text: &str) -> Result<f64, String> {
     let number = text
@@ -132,6 +143,7 @@ mod tests {
         assert_eq!(point("-1,2.5,1e3"), Ok([-1.0, 2.5, 1000.0]));
         assert_eq!(segment("0,0,0,1,1,-1"), Ok([0.0, 0.0, 0.0, 1.0, 1.0, -1.0]));
         assert_eq!(seconds("1.5"), Ok(Duration::from_millis(1500)));
+        assert_eq!((relative("0.02"), relative("2%")), (Ok(0.02), Ok(0.02)));
         for (text, expected) in [
             ("1", 1),
             ("3k", 3 << 10),
@@ -167,6 +179,9 @@ mod tests {
         assert!(point("1,2,inf").is_err() && segment("1,2,3").is_err());
         for bad in ["0", "-1", "nan", "inf", "1e300", "ten"] {
             assert!(seconds(bad).is_err(), "{bad}");
+        }
+        for bad in ["0", "-1%", "nan", "2", "150%", "%", "1e-9"] {
+            assert!(relative(bad).is_err(), "{bad}");
         }
         for bad in [
             "",

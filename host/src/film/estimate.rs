@@ -28,6 +28,12 @@ impl Film {
         // Odd, so that it does not fall into step with the 16 columns of a tile.
         relative_error(self.pixels().map(|(.., p)| p).step_by(stride as usize | 1))
     }
+
+    /// Samples per pixel, those that were not finite aside; zero of an empty window.
+    pub fn samples_per_pixel(&self) -> f64 {
+        let all: u64 = self.pixels().map(|(.., p)| u64::from(p.samples())).sum();
+        all as f64 / self.window.pixels().max(1) as f64
+    }
 }
 
 /// Sums run in the order of the pixels, in `f64`: the same number for the same film.

@@ -9,9 +9,9 @@ use super::bdpt::{self, Splat, Workspace};
 use super::canvas::Canvas;
 use super::mlt;
 use super::tracer::Tracer;
-use super::{Draws, Sample, Settings, path, transmittance};
+use super::{Draws, Sample, Settings, path, room, transmittance};
 use crate::drive::Progress;
-use crate::film::{Film, Landing, LayerSample, Place, Tile};
+use crate::film::{Allotment, Film, Landing, LayerSample, Places, Tile};
 use crate::render::Plan;
 use crate::world::World;
 
@@ -87,12 +87,14 @@ pub(crate) fn sample<D: Draws>(
     }
 }
 
-/// Adds the samples with these indices to every pixel of a film over the world's window.
+/// Adds the samples with these indices to every pixel of a film over the world's window, or those of them that an allotment grants;
+/// bidirectional integrators give every pixel the same.
 pub fn render_pass(
     world: &World,
     plan: &Plan,
     film: &mut Film,
     samples: Range<u32>,
+    allotment: Option<&Allotment>,
     progress: &dyn Progress,
 ) -> Counts {
     if matches!(plan.integrator, Integrator::Bdpt | Integrator::Mlt) {
@@ -108,7 +110,8 @@ pub fn render_pass(
         return counts;
     }
     let tile = |tile: &mut Tile| {
-        let counts = render_tile(world, plan, tile, samples.clone());
+        let places = Places::new(tile.window(), samples.clone(), allotment);
+        let counts = render_tile(world, plan, tile, &places);
         progress.advance(counts.paths);
         counts
     };
@@ -204,28 +207,21 @@ pub(super) fn stream(world: &World, plan: &Plan, [x, y]: [u32; 2], sample: u32) 
     PathStream::new(crate::render::request(world, plan.seed, x, y, sample).key)
 }
 
-fn render_tile(world: &World, plan: &Plan, tile: &mut Tile, samples: Range<u32>) -> Counts {
+fn render_tile(world: &World, plan: &Plan, tile: &mut Tile, places: &Places) -> Counts {
+    if let Some(blueprint) = room::of(world, plan) {
+        return room::render_tile(blueprint, world, plan, tile, places);
+    }
     let mut tracer = Tracer::new(world);
     let mut landing = Landing::default();
-    let window = tile.window();
-    for y in window.y0..window.y1 {
-        for x in window.x0..window.x1 {
-            for index in samples.clone() {
-                let mut draws = stream(world, plan, [x, y], index);
-                let sample = sample(&mut tracer, plan, [x, y], &mut draws);
-                tracer.counts.paths += 1;
-                if tile.keeps_layers() {
-                    tile.add_layers(x, y, &LayerSample::from(&sample));
-                }
-                let place = Place {
-                    x,
-                    y,
-                    sample: index,
-                    samples: samples.clone(),
-                };
-                landing.land(tile, place, sample.into());
-            }
+    for place in (0..places.len()).map(|number| places.place(number)) {
+        let pixel = [place.x, place.y];
+        let mut draws = stream(world, plan, pixel, place.sample);
+        let sample = sample(&mut tracer, plan, pixel, &mut draws);
+        tracer.counts.paths += 1;
+        if tile.keeps_layers() {
+            tile.add_layers(place.x, place.y, &LayerSample::from(&sample));
         }
+        landing.land(tile, place, sample.into());
     }
     tracer.counts
 }
@@ -237,6 +233,9 @@ pub(crate) fn replay(
     pixel: [u32; 2],
     index: u32,
 ) -> (PathSample, Counts) {
+    if let Some(blueprint) = room::of(world, plan) {
+        return room::replay(blueprint, world, plan, pixel, index);
+    }
     let mut tracer = Tracer::new(world);
     let mut draws = stream(world, plan, pixel, index);
     let sample = sample(&mut tracer, plan, pixel, &mut draws);

@@ -7,11 +7,13 @@ use std::process::{Command, Output};
 use tempfile::TempDir;
 use woodcock_host::image::{Image, exr};
 
+mod compare;
 mod failures;
 mod info;
 mod renders;
 #[cfg(unix)]
 mod signals;
+mod stopping;
 
 fn data() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("data")

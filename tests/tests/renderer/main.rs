@@ -7,5 +7,6 @@ mod pbrt;
 mod pbrt_errors;
 mod pbrt_mutations;
 mod render;
+mod stopping;
 mod vdb;
 mod vol;

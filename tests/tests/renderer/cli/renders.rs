@@ -88,6 +88,7 @@ fn channels_and_attributes_are_those_of_the_contract() {
         "woodcock.integrator",
         "woodcock.kernel",
         "woodcock.samples",
+        "woodcock.replicate",
         "woodcock.majorantViolations",
         "woodcock.stopping",
     ] {
@@ -120,7 +121,7 @@ fn statistics_have_the_keys_of_the_contract() {
     let stats: Value = serde_json::from_str(&text).expect("JSON");
     let keys = "scene integrator transmittance kernel threads seed spp width height setup_seconds render_seconds \
         cpu_seconds paths tentative_collisions real_collisions null_collisions lookups exact_lookups majorant_cells \
-        lane_utilisation majorant_violations nonfinite_paths relative_error needs skipped";
+        lane_utilisation majorant_violations nonfinite_paths relative_error target_error pilot_paths needs skipped";
     for key in keys.split_whitespace() {
         assert!(stats.get(key).is_some(), "no {key}");
     }
