@@ -2,8 +2,8 @@
 
 use woodcock_core::medium::Controlled;
 use woodcock_core::path::{
-    Atlas, Counts, Geometry, MediumRecord, OneGrid, OneHomogeneous, PathSample, RecordKind, Scene,
-    Shining, Tapped,
+    Atlas, Counts, Geometry, MediumRecord, OneHomogeneous, PathSample, RecordKind, Scene, Shining,
+    Tapped,
 };
 use woodcock_packet::lanes::Lanes;
 use woodcock_packet::trace::{self, PathRequest};
@@ -129,7 +129,7 @@ fn with_kernel<J: Job>(world: &World, plan: &Plan, colour: Option<usize>, job: J
         }
         Kind::Grid => {
             let record = &world.media[0].record;
-            let medium = OneGrid::new(&one(record), &world.tables.samples, &world.tables.majorants);
+            let medium = world.tables.one_grid(&one(record));
             match &world.source {
                 None => pick(world, plan, &medium, geometry, chromatic, rayleigh, job),
                 Some(source) => {
