@@ -115,6 +115,13 @@ impl Plan {
     }
 }
 
+impl Plan {
+    /// Whether core's kernel of rooms does it all.
+    pub fn in_room(&self, world: &World) -> bool {
+        integrator::room::of(world, self).is_some()
+    }
+}
+
 /// Something to be done with the kernel of a world: Rust has no generic closures.
 trait Job {
     type Output;
@@ -187,6 +194,9 @@ fn kind(world: &World) -> Kind {
 
 /// The name of the kernel that runs, for `explain` and the statistics.
 pub fn kernel_name(world: &World, kernel: Kernel) -> String {
+    if world.room.is_some() && !world.needs.runs(Feature::DetailedSurfaces) {
+        return format!("{}: a room, met piece by piece", kernel.name());
+    }
     if !world.is_plain() {
         return "scalar: surfaces, lights and media of all kinds".to_owned();
     }

@@ -314,7 +314,7 @@ impl Studio {
 
     /// Renders these samples, pass by pass.
     pub fn shoot_passes(&self, passes: &[Range<u32>]) -> Picture {
-        let mut film = Film::new(self.world.resolution, self.world.window);
+        let mut film = self.plan.film(&self.world);
         let mut counts = Counts::default();
         for samples in passes {
             let pass = render_pass(&self.world, &self.plan, &mut film, samples.clone(), &Silent);

@@ -17,6 +17,10 @@ use crate::vec3::Vec3;
 
 /// Below this throughput a path plays roulette, and survives with it.
 const ROULETTE: f32 = 0.5;
+/// From this many scatterings on every path plays another roulette, whatever it carries: between white walls it would never
+/// end. It survives each with the inverse of this.
+const LONG: u32 = 1 << 16;
+const STAKE: f32 = 1.0 + 1.0 / 4096.0;
 /// A density that no competing strategy comes near.
 const CERTAIN: f32 = 1e30;
 /// No piece.
@@ -624,7 +628,13 @@ impl<R: Real, S: KeyedStream<R>> Walks<R, S> {
     fn survive(&mut self, lanes: R::Mask) -> R::Mask {
         let largest = self.throughput.max_component();
         let lanes = lanes & R::zero().lt(largest);
-        let factor = collision::roulette(largest, R::splat(ROULETTE), &mut self.stream, lanes);
+        let mut threshold = R::splat(ROULETTE);
+        let long = lanes.and_not(self.depth.lt(R::Word::splat(LONG)));
+        if long.any() {
+            let stake = threshold.max(largest * R::splat(STAKE));
+            threshold = R::select(long, stake, threshold);
+        }
+        let factor = collision::roulette(largest, threshold, &mut self.stream, lanes);
         self.throughput = self.throughput * factor;
         lanes & R::zero().lt(factor)
     }

@@ -246,7 +246,7 @@ fn render(
     let cpu = cpu_before
         .zip(cpu_time())
         .map(|(a, b)| b.saturating_sub(a).as_secs_f64());
-    let used = if plan.in_packets(world) {
+    let used = if plan.in_packets(world) || plan.in_room(world) {
         plan.kernel
     } else {
         Kernel::Scalar
