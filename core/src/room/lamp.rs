@@ -36,6 +36,8 @@ pub struct Sheet {
     /// How long they are.
     lengths: [f32; 2],
     normal: [f32; 3],
+    /// Its middle.
+    centre: [f32; 3],
     outline: Outline,
     two_sided: bool,
     area: f32,
@@ -83,12 +85,14 @@ impl Sheet {
         } else {
             Outline::Parallelogram
         };
+        let share = if triangle { 1.0 / 3.0 } else { 0.5 };
         let single = |v: [f64; 3]| v.map(|c| c as f32);
         let sheet = Self {
             corner: single(corner),
             along: along.map(single),
             lengths: lengths.map(|l| l as f32),
             normal: single(normal.map(|c| c / double)),
+            centre: single([0, 1, 2].map(|c| corner[c] + (e[c] + f[c]) * share)),
             outline,
             two_sided,
             area: (double * if triangle { 0.5 } else { 1.0 }) as f32,
@@ -96,17 +100,6 @@ impl Sheet {
         let vectors = [sheet.corner, sheet.along[0], sheet.along[1], sheet.normal];
         let finite = vectors.as_flattened().iter().all(|c| c.is_finite());
         (finite && sheet.area > 0.0 && sheet.area.is_finite()).then_some(sheet)
-    }
-
-    /// Its middle, about.
-    fn centre(&self) -> [f32; 3] {
-        let share = if self.outline == Outline::Triangle {
-            1.0 / 3.0
-        } else {
-            0.5
-        };
-        let [e, f] = [0, 1].map(|i| self.along[i].map(|c| c * self.lengths[i] * share));
-        [0, 1, 2].map(|c| self.corner[c] + e[c] + f[c])
     }
 
     fn lights<R: Real>(&self, cosine: R) -> R::Mask {
@@ -281,7 +274,7 @@ impl Lamp {
         length: R,
     ) -> Option<(Nearness<R>, R)> {
         let (centre, room) = match &self.light {
-            LampLight::Flat(sheet) => (sheet.centre(), SOFT * sheet.area),
+            LampLight::Flat(sheet) => (sheet.centre, SOFT * sheet.area),
             LampLight::Point(position) => (*position, 0.0),
             LampLight::Direction(_) => return None,
         };
