@@ -427,7 +427,12 @@ fn path_needed(
     needs: &mut Needs,
 ) {
     if !needs.in_packets() {
-        let reason = "the scalar integrators";
+        let apart = needs.runs(Feature::DetailedSurfaces) || !needs.runs(Feature::Surfaces);
+        let reason = if apart {
+            "the scalar integrators"
+        } else {
+            "a room's paths"
+        };
         for feature in [
             Feature::Scattering,
             Feature::FreePassage,
@@ -436,7 +441,6 @@ fn path_needed(
         ] {
             needs.decide(feature, true, keep, reason);
         }
-        let apart = needs.runs(Feature::DetailedSurfaces) || !needs.runs(Feature::Surfaces);
         let reason = if apart { reason } else { SHARED };
         needs.decide(Feature::IndependentSamples, apart, keep, reason);
         return;
