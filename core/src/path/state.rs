@@ -537,8 +537,7 @@ where
         } else {
             new.x
         };
-        let factor =
-            collision::roulette(largest, self.floor, &mut self.stream, shadow);
+        let factor = collision::roulette(largest, self.floor, &mut self.stream, shadow);
         self.weight = Vec3::select(shadow, new * factor, old);
         (largest * factor).eq(R::zero()) & shadow
     }
