@@ -537,7 +537,8 @@ where
         } else {
             new.x
         };
-        let factor = collision::roulette(largest, self.floor, &mut self.stream, shadow);
+        let factor =
+            collision::roulette(largest, self.floor, &mut self.stream, shadow);
         self.weight = Vec3::select(shadow, new * factor, old);
         (largest * factor).eq(R::zero()) & shadow
     }
