@@ -14,7 +14,7 @@ use std::error::Error;
 
 use woodcock_benches::agreement::{Agreement, LIMIT, average};
 use woodcock_benches::analog::Analog;
-use woodcock_benches::measure::{Cost, EDGE, Way, assemble, assemble_text, compare, render};
+use woodcock_benches::measure::{Cost, EDGE, Way, alone, assemble, assemble_text, compare, render};
 use woodcock_benches::yardstick::{BOX_FOG, NAMES, Yardstick};
 use woodcock_benches::{quick, selected};
 use woodcock_host::render::{Kernel, kernel_name};
@@ -69,13 +69,13 @@ fn against_analog(scene: &Yardstick, samples: u32, rounds: u64) -> Result<(), Bo
 }
 
 /// A scene that analog tracking cannot render.
-fn alone(name: &str, text: &str, samples: u32, rounds: u64) -> Result<(), Box<dyn Error>> {
+fn by_itself(name: &str, text: &str, samples: u32, rounds: u64) -> Result<(), Box<dyn Error>> {
     let world = assemble_text(name, text, None, EDGE / 2, &[])?;
     let mut ours = Way::new(samples);
     for seed in 0..rounds {
         ours.run(|samples| render(&world, Kernel::Packet, samples, seed));
     }
-    row(name, "woodcock", &compare(&ours, &ours).b);
+    row(name, "woodcock", &alone(&ours));
     Ok(())
 }
 
@@ -93,7 +93,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     for name in NAMES.into_iter().filter(|name| selected(name)) {
         match Yardstick::named(name, coarser) {
             Some(scene) => against_analog(&scene, samples, rounds)?,
-            None => alone(name, BOX_FOG, samples, rounds)?,
+            None => by_itself(name, BOX_FOG, samples, rounds)?,
         }
     }
     Ok(())

@@ -1,10 +1,11 @@
 //! Rendering with woodcock's library under the clock.
 
 use std::error::Error;
+use std::ops::Range;
 use std::path::Path;
 use std::time::Instant;
 
-use woodcock_core::path::ShadowEstimator;
+use woodcock_core::path::{Counts, ShadowEstimator};
 use woodcock_host::drive::Silent;
 use woodcock_host::film::Film;
 use woodcock_host::integrator::Integrator;
@@ -65,10 +66,15 @@ pub fn assemble_text(
 
 /// Renders with the default integrator and one thread.
 pub fn render(world: &World, kernel: Kernel, samples: u32, seed: u64) -> Vec<Pixel> {
-    let shadow = ShadowEstimator::Ratio;
+    pass(world, kernel, 0..samples, seed).0
+}
+
+/// Renders the samples of these indices, and says what tracing them came to.
+pub fn pass(world: &World, kernel: Kernel, samples: Range<u32>, seed: u64) -> (Vec<Pixel>, Counts) {
+    let shadow = ShadowEstimator::ByNeed;
     let plan = Plan::new(world, kernel, Integrator::Path, seed, shadow, None);
     let mut film = Film::new(world.resolution, world.window);
-    render_pass(world, &plan, &mut film, 0..samples, &Silent);
+    let counts = render_pass(world, &plan, &mut film, samples, &Silent);
     let width = world.resolution[0] as usize;
     let mut pixels = vec![Pixel::default(); width * world.resolution[1] as usize];
     for (x, y, moments) in film.pixels() {
@@ -77,7 +83,7 @@ pub fn render(world: &World, kernel: Kernel, samples: u32, seed: u64) -> Vec<Pix
             variance: moments.variance_of_mean().unwrap_or([f64::NAN; 3]),
         };
     }
-    pixels
+    (pixels, counts)
 }
 
 /// One way to render a scene: its runs and their CPU times.
@@ -156,6 +162,18 @@ pub struct Comparison {
 fn mean(values: impl ExactSizeIterator<Item = f64>) -> f64 {
     let n = values.len() as f64;
     values.sum::<f64>() / n
+}
+
+/// What a way costs by itself, if it was run at least three times.
+pub fn alone(way: &Way) -> Cost {
+    compare(way, way).b
+}
+
+/// Median of numbers; NaN of none.
+pub fn median(values: impl IntoIterator<Item = f64>) -> f64 {
+    let mut values: Vec<f64> = values.into_iter().collect();
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
 /// Compares two ways that were run equally often, at least three times each.

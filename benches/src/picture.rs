@@ -25,8 +25,7 @@ impl Picture {
     pub fn add(&mut self, pixel: usize, radiance: [f32; 3]) {
         let sums = &mut self.sums[pixel];
         sums.count += 1.0;
-        for c in 0..3 {
-            let value = f64::from(radiance[c]);
+        for (c, value) in radiance.map(f64::from).into_iter().enumerate() {
             sums.first[c] += value;
             sums.second[c] += value * value;
         }

@@ -248,7 +248,7 @@ impl Yardstick {
             }
             Matter::Cells(cells) => {
                 let [a, b, c] = cells.corner();
-                let place = if cells.kelvin.is_empty() {
+                if cells.kelvin.is_empty() {
                     let [sx, sy, sz] = [a, b, c].map(|corner| -2.0 * corner);
                     format!(
                         "AttributeBegin\nTranslate {a} {b} {c} Scale {sx} {sy} {sz}\n\
@@ -269,8 +269,7 @@ impl Yardstick {
                         list(&cells.density),
                         list(&cells.kelvin),
                     )
-                };
-                place
+                }
             }
         };
         let shape = match &self.matter {

@@ -13,6 +13,7 @@
 //! | [`neg_ln_1m`] | 0 ≤ u < 1 | ≤ 0.89 ulp |
 //! | [`exp`] | −87.3 ≤ x ≤ 88.7 | ≤ 0.99 ulp |
 //! | [`exp_m1`] | x ≤ 88.7 | ≤ 1.17 ulp |
+//! | [`turn_of`] | y ≥ 0 | 6e-8 absolute, and relative where x > y |
 //! | [`sin_cos_turn`] | −4096 ≤ turn ≤ 4096 | ≤ 1.56 ulp, or 4.7e-8 absolute where the value is below ½ |
 
 use crate::real::{Binary32, Real, Word};
@@ -221,6 +222,33 @@ pub fn sin_cos_turn<R: Binary32>(turn: R) -> (R, R) {
         R::from_bits(sin.to_bits() ^ sin_sign),
         R::from_bits(cos.to_bits() ^ cos_sign),
     )
+}
+
+/// The angle of the point (x, y), y ≥ 0, as a fraction of a full turn: in [0, ½].
+///
+/// * `y`, `x`: per lane, not both infinite. Of (0, 0) the angle is 0.
+///
+/// The smaller coordinate over the larger goes through a series for one eighth of a turn.
+#[inline(always)]
+pub fn turn_of<R: Real>(y: R, x: R) -> R {
+    const ATAN: [f32; 9] = [
+        0.159_154_94,
+        -0.053_050_697,
+        0.031_807_464,
+        -0.022_508_092,
+        0.016_539_78,
+        -0.011_076_763,
+        0.005_746_972_7,
+        -0.001_899_968_7,
+        0.000_286_362_6,
+    ];
+    let size = x.abs();
+    let steep = size.lt(y);
+    let (low, high) = (size.min(y), size.max(y));
+    let ratio = low / high.max(R::splat(f32::MIN_POSITIVE));
+    let eighth = ratio * horner(ratio * ratio, &ATAN);
+    let quarter = R::select(steep, R::splat(0.25) - eighth, eighth);
+    R::select(x.lt(R::zero()), R::splat(0.5) - quarter, quarter)
 }
 
 #[cfg(test)]

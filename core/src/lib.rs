@@ -42,6 +42,7 @@
 //! | through what? | [`medium`]: closed forms, grids, functions, sums of them |
 //! | who proves the bounds? | [`majorant`]: constructors that refuse a bound that is none |
 //! | what does a path do? | [`path`]: the whole of it, in stages that packets can interleave |
+//! | and among a few surfaces? | [`room`] |
 //! | how exact is it in `f32`? | [`stability`], [`elementary`] |
 //!
 //! ## Example: a pixel of fog
@@ -106,6 +107,7 @@ pub mod phase;
 pub mod points;
 pub mod ray;
 pub mod real;
+pub mod room;
 pub mod spectral;
 pub mod stability;
 pub mod stream;

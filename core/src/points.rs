@@ -243,8 +243,13 @@ impl<W: Word> LaneStrata<W> {
     /// The stratum of a choice as the leading digits of a word.
     #[inline(always)]
     pub fn leading(&self, choice: Choice) -> W {
-        let place = choice as u32;
-        let word = self.0[(place / 8) as usize];
+        self.leading_of(choice as u32)
+    }
+
+    /// The stratum of one of the sixteen choices by its number, for paths whose choices are others than [`Choice`] names.
+    #[inline(always)]
+    pub fn leading_of(&self, place: u32) -> W {
+        let word = self.0[(place / 8 & 1) as usize];
         word.shr(4 * (place % 8)).shl(32 - DIGITS)
     }
 }
@@ -253,7 +258,7 @@ impl<W: Word> LaneStrata<W> {
 ///
 /// Words beyond those given are untouched, so that a draw that takes a second word in rare cases is right.
 #[derive(Debug)]
-pub struct Stratified<'a, R: Real, S, const N: usize> {
+pub struct Stratified<'a, R: Real, S: ?Sized, const N: usize> {
     stream: &'a mut S,
     leading: [R::Word; N],
     lanes: R::Mask,

@@ -62,6 +62,8 @@ pub trait Word:
     fn shr(self, bits: u32) -> Self;
     /// Shifts every lane right by `bits` < 32, filling with the sign bit.
     fn shr_signed(self, bits: u32) -> Self;
+    /// Shifts each lane right by its own number of bits < 32, filling with zeros.
+    fn shr_each(self, bits: Self) -> Self;
     /// Lanes that are equal.
     fn eq(self, other: Self) -> Self::Mask;
     /// Lanes that are smaller, both sides below 2³¹.
@@ -242,6 +244,10 @@ impl Word for Word32 {
     #[inline(always)]
     fn shr_signed(self, bits: u32) -> Self {
         Self((self.0.cast_signed() >> (bits & 31)).cast_unsigned())
+    }
+    #[inline(always)]
+    fn shr_each(self, bits: Self) -> Self {
+        Self(self.0 >> (bits.0 & 31))
     }
     #[inline(always)]
     fn eq(self, other: Self) -> bool {

@@ -18,6 +18,7 @@ pub mod film;
 pub mod image;
 pub mod info;
 pub mod integrator;
+mod kernel;
 pub mod light;
 mod line;
 pub mod output;

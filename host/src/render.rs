@@ -2,18 +2,17 @@
 
 use std::ops::Range;
 
-use woodcock_core::path::{
-    Atlas, Counts, Geometry, OneGrid, OneHomogeneous, PathSample, RecordKind, Scene, Settings,
-    ShadowEstimator, Tapped,
-};
+use woodcock_core::path::{Counts, PathSample, Settings, ShadowEstimator};
+use woodcock_core::points::REPLICATE;
 use woodcock_core::stream::Key;
-use woodcock_packet::lanes::Lanes;
-use woodcock_packet::trace::{self, PathRequest};
+use woodcock_packet::trace::PathRequest;
 
 use crate::drive::Progress;
-use crate::film::{Allotment, Film, Landing, Place, Places, Tile};
+use crate::film::{Allotment, Film, Places, Tile};
 use crate::integrator::{self, Integrator};
-use crate::world::{Feature, Location, World};
+use crate::kernel;
+pub use crate::kernel::kernel_name;
+use crate::world::{Feature, World};
 
 /// Eight lanes or one. Both give the same bits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -73,6 +72,9 @@ impl Plan {
             Integrator::Single => max_depth.min(1),
             _ => max_depth,
         };
+        let settings = world.settings();
+        let in_replicates =
+            settings.points && matches!(integrator, Integrator::Path | Integrator::Single);
         Self {
             kernel,
             integrator,
@@ -80,15 +82,11 @@ impl Plan {
             split: 1,
             layers: false,
             seed,
-            replicate: if std::env::var("WP").is_ok() { 16 } else { 1 },
+            replicate: if in_replicates { REPLICATE } else { 1 },
             settings: Settings {
                 max_depth,
                 shadow,
-                points: std::env::var("WP").is_ok(),
-                forced: std::env::var("WF").is_ok(),
-                faint: std::env::var("WN").map_or(0.0, |s| s.parse().unwrap_or(0.0)),
-                dim: std::env::var("WD").map_or(0.01, |s| s.parse().unwrap_or(0.0)),
-                roulette: std::env::var("WR").map_or(0.25, |s| s.parse().unwrap_or(0.0)),
+                ..settings
             },
         }
     }
@@ -102,195 +100,15 @@ impl Plan {
         film
     }
 
+    /// Whether paths are their camera rays, whose transmittance is all that is to be known.
+    pub(crate) fn absorbs(&self, world: &World) -> bool {
+        !world.needs.runs(Feature::Scattering) && self.settings.shadow == ShadowEstimator::ByNeed
+    }
+
     /// Whether the kernels of core and packet do it all; otherwise the scalar integrators do.
     pub fn in_packets(&self, world: &World) -> bool {
         let plain = world.is_plain() && !self.layers && self.split == 1;
         plain && matches!(self.integrator, Integrator::Path | Integrator::Single)
-    }
-}
-
-/// Something to be done with the kernel of a world: Rust has no generic closures.
-trait Job {
-    type Output;
-    fn run<M, G, const CHROMATIC: bool, const RAYLEIGH: bool>(
-        self,
-        scene: &Scene<'_, M, G>,
-    ) -> Self::Output
-    where
-        M: Tapped<f32> + Tapped<Lanes> + Sync,
-        G: Geometry<f32> + Geometry<Lanes> + Sync + ?Sized;
-}
-
-/// Geometry for both widths, behind one pointer: a call a ray, not a call a step.
-trait AnyGeometry: Geometry<f32> + Geometry<Lanes> + Sync {}
-impl<G: Geometry<f32> + Geometry<Lanes> + Sync> AnyGeometry for G {}
-
-/// A ray that meets nothing.
-#[derive(Debug)]
-struct Nothing;
-
-impl<R: woodcock_core::real::Real> Geometry<R> for Nothing {
-    fn overlaps(&self) -> bool {
-        false
-    }
-    fn stretch(
-        &self,
-        _: &woodcock_core::ray::Ray<R>,
-        _: R::Word,
-        _: R::Mask,
-    ) -> woodcock_core::path::Stretch<R> {
-        use woodcock_core::real::{Mask, Word};
-        woodcock_core::path::Stretch {
-            interval: woodcock_core::ray::Interval {
-                t0: R::zero(),
-                t1: R::zero(),
-            },
-            medium: R::Word::splat(0),
-            found: R::Mask::splat(false),
-        }
-    }
-}
-
-/// The medium that a world's kernel is made for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
-    Homogeneous,
-    Grid,
-    Several,
-}
-
-fn kind(world: &World) -> Kind {
-    match world.media.as_slice() {
-        _ if world.needs.runs(Feature::SeveralMedia) => Kind::Several,
-        [medium] => match medium.record.kind {
-            RecordKind::Homogeneous if !world.needs.runs(Feature::Tracking) => Kind::Homogeneous,
-            RecordKind::Homogeneous => Kind::Several,
-            RecordKind::Grid { .. } => Kind::Grid,
-        },
-        [] => Kind::Homogeneous,
-        _ => Kind::Several,
-    }
-}
-
-/// The name of the kernel that runs, for `explain` and the statistics.
-pub fn kernel_name(world: &World, kernel: Kernel) -> String {
-    if !world.is_plain() {
-        return "scalar: surfaces, lights and media of all kinds".to_owned();
-    }
-    let medium = match kind(world) {
-        Kind::Homogeneous => "homogeneous",
-        Kind::Grid => "grid",
-        Kind::Several => "several media",
-    };
-    let colour = if world.needs.runs(Feature::Chromatic) {
-        "chromatic"
-    } else {
-        "grey"
-    };
-    format!("{}: {medium}, {colour}", kernel.name())
-}
-
-/// Runs a job with the kernel of a world.
-fn with_kernel<J: Job>(world: &World, plan: &Plan, job: J) -> J::Output {
-    let geometry: &dyn AnyGeometry = match &world.place {
-        Location::Nowhere => &Nothing,
-        Location::Convex(convex) => convex,
-        Location::Boundaries(boundaries) => boundaries,
-    };
-    let chromatic = world.needs.runs(Feature::Chromatic);
-    let rayleigh = world.needs.runs(Feature::Rayleigh);
-    match kind(world) {
-        Kind::Homogeneous => {
-            let vacuum = || woodcock_core::path::MediumRecord {
-                kind: RecordKind::Homogeneous,
-                scale: 0.0,
-                colour: [1.0; 3],
-                albedo: [0.0; 3],
-                g: 0.0,
-                rayleigh: false,
-            };
-            let record = world.media.first().map_or_else(vacuum, |m| m.record);
-            let medium = OneHomogeneous::new(&record);
-            pick(world, plan, &medium, geometry, chromatic, rayleigh, job)
-        }
-        Kind::Grid => {
-            let medium = OneGrid::new(
-                &world.media[0].record,
-                &world.tables.samples,
-                &world.tables.majorants,
-            );
-            pick(world, plan, &medium, geometry, chromatic, rayleigh, job)
-        }
-        Kind::Several => {
-            let medium = Atlas {
-                records: &world.records,
-                samples: &world.tables.samples,
-                majorants: &world.tables.majorants,
-            };
-            // Rare enough that Rayleigh's branch need not be compiled away.
-            pick(world, plan, &medium, geometry, chromatic, true, job)
-        }
-    }
-}
-
-fn pick<M, J: Job>(
-    world: &World,
-    plan: &Plan,
-    medium: &M,
-    geometry: &dyn AnyGeometry,
-    chromatic: bool,
-    rayleigh: bool,
-    job: J,
-) -> J::Output
-where
-    M: Tapped<f32> + Tapped<Lanes> + Sync,
-{
-    let scene = Scene {
-        medium,
-        geometry,
-        lights: world.lights(),
-        camera: &world.camera,
-        settings: plan.settings,
-    };
-    match (chromatic, rayleigh) {
-        (false, false) => job.run::<_, _, false, false>(&scene),
-        (false, true) => job.run::<_, _, false, true>(&scene),
-        (true, _) => job.run::<_, _, true, true>(&scene),
-    }
-}
-
-/// A pass over all tiles of a film.
-struct Pass<'a> {
-    world: &'a World,
-    plan: &'a Plan,
-    film: &'a mut Film,
-    samples: Range<u32>,
-    allotment: Option<&'a Allotment>,
-    progress: &'a dyn Progress,
-}
-
-impl Job for Pass<'_> {
-    type Output = Counts;
-    fn run<M, G, const CHROMATIC: bool, const RAYLEIGH: bool>(
-        self,
-        scene: &Scene<'_, M, G>,
-    ) -> Counts
-    where
-        M: Tapped<f32> + Tapped<Lanes> + Sync,
-        G: Geometry<f32> + Geometry<Lanes> + Sync + ?Sized,
-    {
-        let tile = |tile: &mut Tile| {
-            let counts = trace_tile::<M, G, CHROMATIC, RAYLEIGH>(
-                scene,
-                self.world,
-                self.plan,
-                &Places::new(tile.window(), self.samples.clone(), self.allotment),
-                tile,
-            );
-            self.progress.advance(counts.paths);
-            counts
-        };
-        over_tiles(self.film, tile)
     }
 }
 
@@ -349,39 +167,53 @@ pub(crate) fn request(world: &World, seed: u64, x: u32, y: u32, sample: u32) -> 
     }
 }
 
-fn trace_tile<M, G, const CHROMATIC: bool, const RAYLEIGH: bool>(
-    scene: &Scene<'_, M, G>,
+/// Adds to a tile what `trace` makes of the paths of its places.
+///
+/// * `trace(requests, paths)` writes the sample of each request to its place.
+pub(crate) fn trace_tile(
     world: &World,
     plan: &Plan,
     places: &Places,
     tile: &mut Tile,
-) -> Counts
-where
-    M: Tapped<f32> + Tapped<Lanes>,
-    G: Geometry<f32> + Geometry<Lanes> + ?Sized,
-{
-    let requests = (0..places.len()).map(|index| {
-        let Place { x, y, sample, .. } = places.place(index);
-        request(world, plan.seed, x, y, sample)
-    });
-    let mut landing = Landing::default();
-    let mut counts = Counts::default();
-    match plan.kernel {
-        Kernel::Packet => {
-            counts = trace::trace::<M, G, CHROMATIC, RAYLEIGH>(scene, requests, |index, path| {
-                landing.land(tile, places.place(index), path);
-            });
-        }
-        Kernel::Scalar => {
-            for (index, request) in requests.enumerate() {
-                let path =
-                    trace::trace_scalar::<M, G, CHROMATIC, RAYLEIGH>(scene, request, &mut counts);
-                landing.land(tile, places.place(index), path);
-            }
+    trace: impl FnOnce(&Requests<'_>, &mut [PathSample]) -> Counts,
+) -> Counts {
+    let requests = Requests {
+        world,
+        seed: plan.seed,
+        places,
+    };
+    let mut paths = vec![PathSample::default(); places.len()];
+    let counts = trace(&requests, &mut paths);
+    let mut rest = paths.as_slice();
+    for (x, y, samples) in places.pixels() {
+        let mut first = samples.start;
+        while first < samples.end {
+            let end = (first - first % plan.replicate).saturating_add(plan.replicate);
+            let (replicate, others) = rest.split_at((end.min(samples.end) - first) as usize);
+            tile.add_replicate(x, y, first, replicate);
+            rest = others;
+            first = end;
         }
     }
-    debug_assert!(landing.is_done(), "every path lands");
     counts
+}
+
+/// The paths that a tile asks for in a pass.
+pub(crate) struct Requests<'a> {
+    world: &'a World,
+    seed: u64,
+    places: &'a Places,
+}
+
+impl Requests<'_> {
+    /// Pixel by pixel, each pixel's samples in order.
+    pub(crate) fn iter(&self) -> impl Iterator<Item = PathRequest> {
+        let of_pixel = move |(x, y, samples): (u32, u32, Range<u32>)| {
+            let of = move |sample| request(self.world, self.seed, x, y, sample);
+            samples.map(of)
+        };
+        self.places.pixels().flat_map(of_pixel)
+    }
 }
 
 /// Adds the samples with these indices to every pixel of a film over the world's window.
@@ -413,40 +245,15 @@ pub fn render_allotted(
     if !plan.in_packets(world) {
         return integrator::render_pass(world, plan, film, samples, allotment, progress);
     }
-    with_kernel(
-        world,
-        plan,
-        Pass {
-            world,
-            plan,
-            film,
-            samples,
-            allotment,
-            progress,
-        },
-    )
-}
-
-/// One path, again.
-struct Replay {
-    request: PathRequest,
-}
-
-impl Job for Replay {
-    type Output = (PathSample, Counts);
-    fn run<M, G, const CHROMATIC: bool, const RAYLEIGH: bool>(
-        self,
-        scene: &Scene<'_, M, G>,
-    ) -> Self::Output
-    where
-        M: Tapped<f32> + Tapped<Lanes> + Sync,
-        G: Geometry<f32> + Geometry<Lanes> + Sync + ?Sized,
-    {
-        let mut counts = Counts::default();
-        let path =
-            trace::trace_scalar::<M, G, CHROMATIC, RAYLEIGH>(scene, self.request, &mut counts);
-        (path, counts)
-    }
+    let tile = |tile: &mut Tile| {
+        let places = Places::new(tile.window(), samples.clone(), allotment);
+        let counts = trace_tile(world, plan, &places, tile, |requests, paths| {
+            kernel::trace(world, plan, requests, paths)
+        });
+        progress.advance(places.len() as u64);
+        counts
+    };
+    over_tiles(film, tile)
 }
 
 /// Traces one path in scalar code: what it brings, and what it met.
@@ -456,11 +263,5 @@ pub fn replay(world: &World, plan: &Plan, x: u32, y: u32, sample: u32) -> (PathS
     if !plan.in_packets(world) {
         return integrator::replay(world, plan, [x, y], sample);
     }
-    with_kernel(
-        world,
-        plan,
-        Replay {
-            request: request(world, plan.seed, x, y, sample),
-        },
-    )
+    kernel::replay(world, plan, request(world, plan.seed, x, y, sample))
 }

@@ -169,6 +169,10 @@ impl Word for LaneWords {
         Self(cast(signed >> bits))
     }
     #[inline(always)]
+    fn shr_each(self, bits: Self) -> Self {
+        Self(self.0 >> bits.0)
+    }
+    #[inline(always)]
     fn eq(self, other: Self) -> LaneMask {
         LaneMask(cast(self.0.simd_eq(other.0)))
     }

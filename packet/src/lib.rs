@@ -6,6 +6,7 @@
 //! - [`lanes`]: eight numbers, words and truths over `wide`.
 //! - [`bits`]: the core's random streams, one per lane.
 //! - [`bundle`]: free flights and transmittance over bundles of rays, with refill.
+//! - [`room`]: paths in rooms.
 //! - [`trace`]: whole paths, with refill from a list of pixels and samples.
 //!
 //! Results have the bits of the scalar code, whatever lane a path lies in and whatever lies beside it.
@@ -17,4 +18,5 @@ pub mod bits;
 pub mod bundle;
 mod gather;
 pub mod lanes;
+pub mod room;
 pub mod trace;

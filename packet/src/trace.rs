@@ -1,9 +1,10 @@
 //! Whole paths, eight at a time.
 
-use woodcock_core::path::{Counts, Geometry, PathSample, Paths, Scene, Stage, Tapped};
+use woodcock_core::medium::Controlled;
+use woodcock_core::path::{self, Counts, Geometry, PathSample, Paths, Scene, Stage, Tapped};
 use woodcock_core::points::{self, LaneStrata, Strata};
 use woodcock_core::real::{Mask, Word32};
-use woodcock_core::stream::{Key, KeyedStream};
+use woodcock_core::stream::{Key, KeyedStream, PathStream};
 
 use crate::bits::LaneStream;
 use crate::lanes::{LANES, LaneMask, LaneWords, Lanes};
@@ -25,15 +26,15 @@ const FULL_ENOUGH: u32 = 4;
 
 /// What new paths begin with, by lane: written one by one, read all at once.
 #[derive(Debug, Default)]
-struct Next {
-    place: [[f32; LANES]; 2],
-    state: [[u32; LANES]; 2],
-    strata: [[u32; LANES]; 2],
+pub(crate) struct Next {
+    pub(crate) place: [[f32; LANES]; 2],
+    pub(crate) state: [[u32; LANES]; 2],
+    pub(crate) strata: [[u32; LANES]; 2],
 }
 
 impl Next {
     #[inline(always)]
-    fn set(&mut self, lane: usize, request: &PathRequest) {
+    pub(crate) fn set(&mut self, lane: usize, request: &PathRequest) {
         let state = request.key.initial_state();
         self.place[0][lane] = request.x as f32;
         self.place[1][lane] = request.y as f32;
@@ -42,7 +43,7 @@ impl Next {
     }
 
     #[inline(always)]
-    fn set_strata(&mut self, lane: usize, strata: Strata) {
+    pub(crate) fn set_strata(&mut self, lane: usize, strata: Strata) {
         let [low, high] = strata.words();
         self.strata[0][lane] = low;
         self.strata[1][lane] = high;
@@ -71,14 +72,14 @@ impl Next {
 
 /// The strata of the replicate that was asked for last: paths come in the order of their samples.
 #[derive(Debug, Default)]
-struct Bank {
+pub(crate) struct Bank {
     of: Option<Key>,
     strata: [Strata; points::REPLICATE as usize],
 }
 
 impl Bank {
     #[inline]
-    fn strata(&mut self, key: Key) -> Strata {
+    pub(crate) fn strata(&mut self, key: Key) -> Strata {
         let first = Key {
             sample: key.sample / points::REPLICATE,
             ..key
@@ -159,6 +160,79 @@ where
     }
 }
 
+/// Renders the requested paths of a scene that only absorbs; else as [`trace`].
+///
+/// Eight rays at a time, next to each other in the picture and so about equally long.
+pub fn absorb<M, G, const CHROMATIC: bool>(
+    scene: &Scene<'_, M, G>,
+    requests: impl IntoIterator<Item = PathRequest>,
+    mut land: impl FnMut(usize, PathSample),
+) -> Counts
+where
+    M: Tapped<Lanes> + Controlled<Lanes>,
+    G: Geometry<Lanes> + ?Sized,
+{
+    let mut counts = Counts::default();
+    let mut bank = Bank::default();
+    let mut next = Next::default();
+    let mut requests = requests.into_iter();
+    let mut done = 0;
+    loop {
+        let mut begun = 0;
+        for (lane, request) in requests.by_ref().take(LANES).enumerate() {
+            next.set(lane, &request);
+            if scene.settings.points {
+                next.set_strata(lane, bank.strata(request.key));
+            }
+            begun = lane + 1;
+        }
+        if begun == 0 {
+            return counts;
+        }
+        let lanes = LaneMask::from_bits((1 << begun) - 1);
+        let mut stream = LaneStream::idle();
+        let [low, high] = next.state.map(LaneWords::new);
+        stream.set_states(low, high, lanes);
+        let strata = LaneStrata::new(next.strata.map(LaneWords::new));
+        let place = next.place.map(Lanes::new);
+        let found = path::absorb::<Lanes, M, G, CHROMATIC>(
+            scene,
+            place,
+            &strata,
+            &mut stream,
+            lanes,
+            &mut counts,
+        );
+        counts.steps += 1;
+        counts.busy_lanes += begun as u64;
+        for lane in 0..begun {
+            land(done + lane, path::sample_of(&found, lane));
+        }
+        done += begun;
+    }
+}
+
+/// Renders one path of a scene that only absorbs in scalar code: the oracle of [`absorb`].
+pub fn absorb_scalar<M, G, const CHROMATIC: bool>(
+    scene: &Scene<'_, M, G>,
+    request: PathRequest,
+    counts: &mut Counts,
+) -> PathSample
+where
+    M: Tapped<f32> + Controlled<f32>,
+    G: Geometry<f32> + ?Sized,
+{
+    let mut stream = PathStream::new(request.key);
+    let strata = points::strata(request.key).words().map(Word32);
+    let place = [request.x as f32, request.y as f32];
+    let strata = LaneStrata::new(strata);
+    let found =
+        path::absorb::<f32, M, G, CHROMATIC>(scene, place, &strata, &mut stream, true, counts);
+    counts.steps += 1;
+    counts.busy_lanes += 1;
+    path::sample_of(&found, 0)
+}
+
 /// Traces one path in scalar code: the oracle of [`trace`].
 pub fn trace_scalar<M, G, const CHROMATIC: bool, const ANY_RAYLEIGH: bool>(
     scene: &Scene<'_, M, G>,
@@ -169,7 +243,6 @@ where
     M: Tapped<f32>,
     G: Geometry<f32> + ?Sized,
 {
-    use woodcock_core::stream::PathStream;
     let mut paths = Paths::<f32, M::Walk, PathStream, CHROMATIC, ANY_RAYLEIGH>::idle(scene.medium);
     KeyedStream::<f32>::set_key(paths.stream(), 0, request.key);
     if scene.settings.points {

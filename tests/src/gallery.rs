@@ -91,7 +91,7 @@ pub fn replan(
         Kernel::Packet,
         integrator,
         crate::stats::seed(seed),
-        ShadowEstimator::Ratio,
+        ShadowEstimator::ByNeed,
         max_depth,
     );
     studio

@@ -6,6 +6,7 @@
 use crate::grids::TestGrid;
 use woodcock_core::camera::{Camera, Projection};
 use woodcock_core::light::{Distant, Lights};
+use woodcock_core::majorant::BLOCK;
 use woodcock_core::medium::Affine;
 use woodcock_core::path::{
     Atlas, Convex, Geometry, MediumRecord, OneGrid, OneHomogeneous, RecordKind, Scene, Settings,
@@ -94,6 +95,7 @@ fn on_grid(
         dims,
         samples,
         majorants,
+        edge: BLOCK,
     };
     MediumRecord { kind, ..medium }
 }

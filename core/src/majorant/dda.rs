@@ -4,8 +4,13 @@
 //! computed from the face's index each time, never accumulated; so the walk cannot drift from the
 //! grid. A place is clamped to its block before a sample is looked up: what it reads is always
 //! within the footprint that the block's bound was proved for.
+//!
+//! An entry below zero is a [leap](crate::majorant::fill_leaps): nothing is in the cube of blocks ahead, which then is
+//! one segment. Beyond it the walk stands in the block that holds its place, found anew from the ray.
 
+use crate::majorant::leaps::{CODE_BITS, CODE_MASK};
 use crate::majorant::{BLOCK, MajorantGrid, Segment};
+use crate::path::Bricks;
 use crate::ray::{Ray, bounded_reciprocal};
 use crate::real::{Mask, Real, Word};
 use crate::stream::Stream;
@@ -22,6 +27,8 @@ pub struct GridLayout<R: Real> {
     pub majorants: R::Word,
     /// Bounds from one row, and from one slice, to the next.
     pub majorant_strides: [R::Word; 2],
+    /// Edge of a block in voxel cells, a power of two.
+    pub edge: R,
     /// The far corner of the domain, n − 1 samples along each axis.
     pub last: Vec3<R>,
     /// What samples and bounds are multiplied with to give extinction [1/length].
@@ -31,12 +38,13 @@ pub struct GridLayout<R: Real> {
 impl<R: Real> GridLayout<R> {
     /// The layout of one grid, alone in its tables, for every lane.
     pub fn of(grid: &MajorantGrid<'_>, scale: f32) -> Self {
-        let [strides, majorant_strides] = MajorantGrid::strides(grid.dims);
+        let [strides, majorant_strides] = MajorantGrid::strides(grid.dims, grid.edge);
         Self {
             samples: R::Word::splat(0),
             strides: strides.map(R::Word::splat),
             majorants: R::Word::splat(0),
             majorant_strides: majorant_strides.map(R::Word::splat),
+            edge: R::splat(grid.edge as f32),
             last: grid.size(),
             scale: R::splat(scale),
         }
@@ -53,6 +61,7 @@ impl<R: Real> GridLayout<R> {
             strides: [zero; 2],
             majorants: zero,
             majorant_strides: [R::Word::splat(nx.wrapping_add(2)), R::Word::splat(slice)],
+            edge: R::splat(BLOCK as f32),
             last: Vec3::splat(blocks.map(|n| n.wrapping_mul(BLOCK) as f32)),
             scale: R::splat(scale),
         }
@@ -72,6 +81,7 @@ impl<R: Real> GridLayout<R> {
                 word(a.majorant_strides[0], b.majorant_strides[0]),
                 word(a.majorant_strides[1], b.majorant_strides[1]),
             ],
+            edge: R::select(mask, a.edge, b.edge),
             last: Vec3::select(mask, a.last, b.last),
             scale: R::select(mask, a.scale, b.scale),
         }
@@ -85,32 +95,46 @@ pub struct GridWalk<R: Real> {
     origin: Vec3<R>,
     direction: Vec3<R>,
     inverse: Vec3<R>,
-    /// Lower corner of the present block, a multiple of eight.
-    low: Vec3<R>,
-    /// Index of the present bound.
+    /// From a block's near faces to its far ones: its edge, with the direction's signs.
+    across: Vec3<R>,
+    /// Where the present block's near faces lie, those that the ray enters by; multiples of the edge.
+    near: Vec3<R>,
+    /// From an entry to that of the next block on the ray along x, y and z.
+    strides: [R::Word; 3],
+    /// Index of the present entry.
     index: R::Word,
+    /// Where the entries' codes say how far the ray may leap.
+    octant: R::Word,
     majorant: R,
+    /// Blocks along the edge of the present segment's cube, from the present block on; at least one.
+    reach: R,
 }
 
 impl<R: Real> GridWalk<R> {
     /// A walk with no ray yet.
     pub fn idle() -> Self {
         let zero = R::Word::splat(0);
+        let nowhere = Vec3::uniform(0.0);
         Self {
             layout: GridLayout {
                 samples: zero,
                 strides: [zero; 2],
                 majorants: zero,
                 majorant_strides: [zero; 2],
-                last: Vec3::uniform(0.0),
+                edge: R::splat(BLOCK as f32),
+                last: nowhere,
                 scale: R::zero(),
             },
-            origin: Vec3::uniform(0.0),
-            direction: Vec3::uniform(0.0),
-            inverse: Vec3::uniform(0.0),
-            low: Vec3::uniform(0.0),
+            origin: nowhere,
+            direction: nowhere,
+            inverse: nowhere,
+            across: nowhere,
+            near: nowhere,
+            strides: [zero; 3],
             index: zero,
+            octant: zero,
             majorant: R::zero(),
+            reach: R::one(),
         }
     }
 
@@ -125,11 +149,13 @@ impl<R: Real> GridWalk<R> {
         majorants: &[f32],
         active: R::Mask,
     ) {
-        let edge = R::splat(BLOCK as f32);
-        // The last block begins at the last multiple of eight below the far corner.
+        let edge = layout.edge;
+        let blocks = R::one() / edge;
+        let one = R::Word::splat(1);
+        // The last block begins at the last multiple of the edge below the far corner.
         let block = |o: R, last: R| {
             let inside = o.max(R::zero()).min(last);
-            let block = (inside * R::splat(1.0 / BLOCK as f32)).to_word();
+            let block = (inside * blocks).to_word();
             // On the far face itself, the block before it.
             let beyond = last.le(R::from_word(block) * edge) & R::zero().lt(last);
             block - R::Word::from_mask(beyond)
@@ -139,42 +165,61 @@ impl<R: Real> GridWalk<R> {
             block(ray.origin.y, layout.last.y),
             block(ray.origin.z, layout.last.z),
         ];
-        let one = R::Word::splat(1);
         let index = layout.majorants
             + (cell[0] + one)
             + (cell[1] + one) * layout.majorant_strides[0]
             + (cell[2] + one) * layout.majorant_strides[1];
-        let low = Vec3::new(
-            R::from_word(cell[0]) * edge,
-            R::from_word(cell[1]) * edge,
-            R::from_word(cell[2]) * edge,
-        );
+        let direction = ray.direction;
+        let backward = [direction.x, direction.y, direction.z].map(|d| d.lt(R::zero()));
+        let across = |a: usize| R::select(backward[a], -edge, edge);
+        let across = Vec3::new(across(0), across(1), across(2));
+        let near = |a: usize| R::from_word(cell[a] + R::Word::from_mask(backward[a])) * edge;
+        let near = Vec3::new(near(0), near(1), near(2));
+        let zero = R::Word::splat(0);
+        let signed = |stride, back| R::Word::select(back, zero - stride, stride);
+        let strides = [
+            signed(one, backward[0]),
+            signed(layout.majorant_strides[0], backward[1]),
+            signed(layout.majorant_strides[1], backward[2]),
+        ];
+        let bit = |back, value| R::Word::select(back, R::Word::splat(value), zero);
+        let octant = bit(backward[0], CODE_BITS)
+            + bit(backward[1], 2 * CODE_BITS)
+            + bit(backward[2], 4 * CODE_BITS);
         self.layout = GridLayout::select(active, layout, &self.layout);
         self.origin = Vec3::select(active, ray.origin, self.origin);
         self.direction = Vec3::select(active, ray.direction, self.direction);
         self.inverse = Vec3::select(active, ray.direction.map(bounded_reciprocal), self.inverse);
-        self.low = Vec3::select(active, low, self.low);
+        self.across = Vec3::select(active, across, self.across);
+        self.near = Vec3::select(active, near, self.near);
+        for (own, new) in self.strides.iter_mut().zip(strides) {
+            *own = R::Word::select(active, new, *own);
+        }
         self.index = R::Word::select(active, index, self.index);
-        let majorant = R::gather(majorants, self.index) * self.layout.scale;
-        self.majorant = R::select(active, majorant, self.majorant);
+        self.octant = R::Word::select(active, octant, self.octant);
+        self.read(majorants, active);
     }
 
-    /// Distances to the present block's exit faces.
+    /// Reads the present entry: a bound, or how much nothing lies ahead.
+    #[inline(always)]
+    fn read(&mut self, majorants: &[f32], active: R::Mask) {
+        let entry = R::gather(majorants, self.index);
+        let majorant = entry.max(R::zero()) * self.layout.scale;
+        let code = (-entry).max(R::zero()).to_word();
+        let further = code.shr_each(self.octant) & R::Word::splat(CODE_MASK);
+        let reach = R::from_word(further) + R::one();
+        self.majorant = R::select(active, majorant, self.majorant);
+        self.reach = R::select(active, reach, self.reach);
+    }
+
+    /// Distances to the present segment's exit faces.
     #[inline(always)]
     fn exits(&self) -> Vec3<R> {
-        let edge = R::splat(BLOCK as f32);
-        let exit = |low: R, origin: R, direction: R, inverse: R| {
-            let face = R::select(direction.lt(R::zero()), low, low + edge);
-            (face - origin) * inverse
-        };
-        Vec3::new(
-            exit(self.low.x, self.origin.x, self.direction.x, self.inverse.x),
-            exit(self.low.y, self.origin.y, self.direction.y, self.inverse.y),
-            exit(self.low.z, self.origin.z, self.direction.z, self.inverse.z),
-        )
+        let far = self.near + self.across * self.reach;
+        (far - self.origin).times(self.inverse)
     }
 
-    /// The present block's bound and where the ray leaves it.
+    /// The present block's bound and where the ray leaves it, or the empty cube ahead.
     #[inline(always)]
     pub fn segment(&self) -> Segment<R> {
         let exits = self.exits();
@@ -197,38 +242,62 @@ impl<R: Real> GridWalk<R> {
         let along_x = exits.x.le(exits.y) & exits.x.le(exits.z) & active;
         let along_y = exits.y.le(exits.z).and_not(along_x) & active;
         let along_z = active.and_not(along_x | along_y);
-        let edge = R::splat(BLOCK as f32);
-        let step = |low: R, direction: R, along: R::Mask| {
-            low + R::select(direction.lt(R::zero()), -edge, edge).or_zero(along)
+        let leaping = R::one().lt(self.reach) & active;
+        if leaping.any() {
+            self.leap([along_x, along_y, along_z], active);
+        } else {
+            self.near = Vec3::new(
+                self.near.x + self.across.x.or_zero(along_x),
+                self.near.y + self.across.y.or_zero(along_y),
+                self.near.z + self.across.z.or_zero(along_z),
+            );
+            let zero = R::Word::splat(0);
+            let [x, y, z] = self.strides;
+            self.index = self.index
+                + R::Word::select(along_x, x, zero)
+                + R::Word::select(along_y, y, zero)
+                + R::Word::select(along_z, z, zero);
+        }
+        self.read(majorants, active);
+    }
+
+    /// Steps over the present cubes: by their whole edge along one axis, along the others to where the ray is.
+    #[inline(always)]
+    fn leap(&mut self, along: [R::Mask; 3], active: R::Mask) {
+        let t = self.segment().t_exit;
+        let inside = self.origin + self.direction * t - self.near;
+        // Exact: edges are powers of two.
+        let blocks = R::one() / (self.layout.edge * self.layout.edge);
+        let last = self.reach - R::one();
+        let steps = |inside: R, across: R, along: R::Mask| {
+            let passed = (inside * (across * blocks)).max(R::zero()).min(last);
+            let passed = R::from_word(passed.to_word());
+            R::select(along, self.reach, passed).or_zero(active)
         };
-        self.low = Vec3::new(
-            step(self.low.x, self.direction.x, along_x),
-            step(self.low.y, self.direction.y, along_y),
-            step(self.low.z, self.direction.z, along_z),
+        let steps = Vec3::new(
+            steps(inside.x, self.across.x, along[0]),
+            steps(inside.y, self.across.y, along[1]),
+            steps(inside.z, self.across.z, along[2]),
         );
-        let zero = R::Word::splat(0);
-        let stride = |stride: R::Word, direction: R, along: R::Mask| {
-            let signed = R::Word::select(direction.lt(R::zero()), zero - stride, stride);
-            R::Word::select(along, signed, zero)
-        };
-        self.index = self.index
-            + stride(R::Word::splat(1), self.direction.x, along_x)
-            + stride(self.layout.majorant_strides[0], self.direction.y, along_y)
-            + stride(self.layout.majorant_strides[1], self.direction.z, along_z);
-        let majorant = R::gather(majorants, self.index) * self.layout.scale;
-        self.majorant = R::select(active, majorant, self.majorant);
+        self.near = self.near + self.across.times(steps);
+        let [x, y, z] = self.strides;
+        self.index =
+            self.index + x * steps.x.to_word() + y * steps.y.to_word() + z * steps.z.to_word();
     }
 
     /// The place at distance `t` in grid space, kept within the present block and the domain.
     #[inline(always)]
     pub fn place(&self, t: R) -> Vec3<R> {
         let p = self.origin + self.direction * t;
-        let edge = R::splat(BLOCK as f32);
-        let clamp = |p: R, low: R, last: R| p.max(low).min((low + edge).min(last)).max(R::zero());
+        let clamp = |p: R, near: R, across: R, last: R| {
+            let far = near + across;
+            let (low, high) = (near.min(far), near.max(far));
+            p.max(low).min(high.min(last)).max(R::zero())
+        };
         Vec3::new(
-            clamp(p.x, self.low.x, self.layout.last.x),
-            clamp(p.y, self.low.y, self.layout.last.y),
-            clamp(p.z, self.low.z, self.layout.last.z),
+            clamp(p.x, self.near.x, self.across.x, self.layout.last.x),
+            clamp(p.y, self.near.y, self.across.y, self.layout.last.y),
+            clamp(p.z, self.near.z, self.across.z, self.layout.last.z),
         )
     }
 
@@ -255,6 +324,25 @@ impl<R: Real> GridWalk<R> {
     /// 22 bits for the three axes.
     #[inline(always)]
     pub fn tap(&self, t: R, rng: &mut impl Stream<R>, active: R::Mask) -> R::Word {
+        let [x, y, z] = self.corner(t, rng, active);
+        self.layout.samples + x + y * self.layout.strides[0] + z * self.layout.strides[1]
+    }
+
+    /// As [`tap`](Self::tap), of samples in bricks: the strides of the layout are those of the lattice.
+    #[inline(always)]
+    pub(crate) fn tap_in(
+        &self,
+        bricks: &Bricks<'_>,
+        t: R,
+        rng: &mut impl Stream<R>,
+        active: R::Mask,
+    ) -> R::Word {
+        bricks.index::<R>(self.corner(t, rng, active), self.layout.strides)
+    }
+
+    /// The coordinates of the sample of a [tap](Self::tap).
+    #[inline(always)]
+    fn corner(&self, t: R, rng: &mut impl Stream<R>, active: R::Mask) -> [R::Word; 3] {
         let place = self.place(t);
         let (a, b) = (rng.next_word(active), rng.next_word(active));
         let low_bits = R::Word::splat(0x7ff);
@@ -269,7 +357,13 @@ impl<R: Real> GridWalk<R> {
         let x = corner(place.x, a.shr(11), 2_097_152.0);
         let y = corner(place.y, b.shr(11), 2_097_152.0);
         let z = corner(place.z, c, 4_194_304.0);
-        self.layout.samples + x + y * self.layout.strides[0] + z * self.layout.strides[1]
+        [x, y, z]
+    }
+
+    /// What samples and bounds are multiplied with to give extinction [1/length].
+    #[inline(always)]
+    pub(crate) fn scale(&self) -> R {
+        self.layout.scale
     }
 
     /// The full trilinear interpolant at distance `t` [1/length]: eight look-ups, no draws.

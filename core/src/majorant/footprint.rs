@@ -2,10 +2,28 @@
 
 use crate::majorant::{BLOCK, MajorantError};
 
+/// Blocks of an edge along each axis of a grid of `dims` samples, without the rim.
+///
+/// * `edge`: in voxel cells, not zero.
+#[inline]
+pub const fn block_counts(dims: [u32; 3], edge: u32) -> [u32; 3] {
+    let [x, y, z] = dims;
+    [blocks(x, edge), blocks(y, edge), blocks(z, edge)]
+}
+
 /// Blocks along an axis of `samples` samples, without the rim.
 #[inline]
-pub(crate) const fn blocks(samples: u32) -> u32 {
-    samples.saturating_sub(1).div_ceil(BLOCK)
+pub(crate) const fn blocks(samples: u32, edge: u32) -> u32 {
+    samples.saturating_sub(1).div_ceil(edge)
+}
+
+/// Entries along each axis of a table over so many blocks, rim included.
+pub(super) fn table_size(blocks: [u32; 3]) -> Result<[u32; 3], MajorantError> {
+    if blocks.iter().all(|n| *n < 1 << 23) {
+        Ok(blocks.map(|n| n + 2))
+    } else {
+        Err(MajorantError::Dimensions(blocks))
+    }
 }
 
 /// How many bounds a grid of these dimensions needs: the length of what
@@ -13,9 +31,13 @@ pub(crate) const fn blocks(samples: u32) -> u32 {
 ///
 /// `None` where the number does not fit.
 pub const fn majorant_count(dims: [u32; 3]) -> Option<usize> {
-    let x = blocks(dims[0]) as u64 + 2;
-    let y = blocks(dims[1]) as u64 + 2;
-    let z = blocks(dims[2]) as u64 + 2;
+    majorant_count_of(dims, BLOCK)
+}
+
+/// As [`majorant_count`], for blocks of another edge.
+pub const fn majorant_count_of(dims: [u32; 3], edge: u32) -> Option<usize> {
+    let [x, y, z] = block_counts(dims, edge);
+    let (x, y, z) = (x as u64 + 2, y as u64 + 2, z as u64 + 2);
     match (x * y).checked_mul(z) {
         Some(count) if count <= i32::MAX as u64 => Some(count as usize),
         _ => None,
@@ -38,8 +60,8 @@ pub(super) fn check_dims(samples: &[f32], dims: [u32; 3]) -> Result<(), Majorant
 }
 
 /// Checks the length of a table that has one entry for each block, rim included.
-pub(super) fn check_table(table: &[f32], dims: [u32; 3]) -> Result<(), MajorantError> {
-    let expected = majorant_count(dims).ok_or(MajorantError::Dimensions(dims))?;
+pub(super) fn check_table(table: &[f32], dims: [u32; 3], edge: u32) -> Result<(), MajorantError> {
+    let expected = majorant_count_of(dims, edge).ok_or(MajorantError::Dimensions(dims))?;
     if table.len() == expected {
         Ok(())
     } else {
@@ -75,11 +97,12 @@ pub(crate) fn for_each_entry<E>(
 pub(super) fn rows(
     samples: &[f32],
     dims: [u32; 3],
+    edge: u32,
     block: [u32; 3],
 ) -> impl Iterator<Item = ([u32; 3], &[f32])> {
     let [nx, ny, _] = dims.map(|n| n as usize);
-    let first = block.map(|b| b * BLOCK);
-    let last = [0, 1, 2].map(|a| (first[a] + BLOCK).min(dims[a] - 1));
+    let first = block.map(|b| b * edge);
+    let last = [0, 1, 2].map(|a| (first[a] + edge).min(dims[a] - 1));
     (first[2]..=last[2]).flat_map(move |z| {
         (first[1]..=last[1]).map(move |y| {
             let row = (z as usize * ny + y as usize) * nx;
@@ -93,10 +116,11 @@ pub(super) fn rows(
 pub(super) fn find(
     samples: &[f32],
     dims: [u32; 3],
+    edge: u32,
     block: [u32; 3],
     wrong: impl Fn(f32) -> bool,
 ) -> Option<([u32; 3], f32)> {
-    rows(samples, dims, block).find_map(|([x, y, z], row)| {
+    rows(samples, dims, edge, block).find_map(|([x, y, z], row)| {
         let mut values = (x..).zip(row);
         values.find_map(|(x, &value)| wrong(value).then_some(([x, y, z], value)))
     })

@@ -1,4 +1,4 @@
-//! Majorant grid: a certified bound for each block of 8³ voxel cells.
+//! Majorant grid: a certified bound for each block of voxel cells, 8³ or another number of them.
 //!
 //! The medium between samples is their trilinear interpolant, which is bounded by the samples
 //! around it. So the bound of a block is the largest of the 9³ samples that its cells touch: the
@@ -8,12 +8,17 @@
 
 use core::fmt;
 
-use crate::majorant::footprint::{blocks, check_dims, check_table, find, for_each_entry, rows};
-use crate::majorant::rounding;
+use crate::majorant::footprint::{
+    block_counts, check_dims, check_table, find, for_each_entry, rows,
+};
+use crate::majorant::{leaps, rounding};
 use crate::real::Real;
 
-/// Edge of a majorant block, in voxel cells.
+/// Edge of a majorant block, in voxel cells, where none is chosen.
 pub const BLOCK: u32 = 8;
+
+/// Edges that blocks can have, in voxel cells.
+pub const EDGES: [u32; 5] = [4, 8, 16, 32, 64];
 
 /// What can be wrong with a grid of samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,6 +60,13 @@ pub enum MajorantError {
         /// Its place in its table.
         index: usize,
     },
+    /// An edge that blocks cannot have.
+    Edge(u32),
+    /// An entry below zero is no leap, or leaps over matter.
+    Leap {
+        /// Its place in its table.
+        index: usize,
+    },
 }
 
 impl fmt::Display for MajorantError {
@@ -87,6 +99,13 @@ impl fmt::Display for MajorantError {
                 "the mean of the block ({x}, {y}, {z}) lies outside the block's bounds"
             ),
             Self::Rim { index } => write!(f, "entry {index} lies in the rim and is not zero"),
+            Self::Edge(edge) => write!(f, "blocks of {edge} cells: an edge is one of {EDGES:?}"),
+            Self::Leap { index } => {
+                write!(
+                    f,
+                    "entry {index} is below zero and not a leap over empty blocks"
+                )
+            }
         }
     }
 }
@@ -101,6 +120,7 @@ pub struct MajorantGrid<'a> {
     pub(crate) samples: &'a [f32],
     pub(crate) majorants: &'a [f32],
     pub(crate) dims: [u32; 3],
+    pub(crate) edge: u32,
 }
 
 /// Nothing is in the rim.
@@ -118,9 +138,14 @@ pub(super) fn is_valid(sample: f32) -> bool {
 }
 
 /// The first sample of a footprint that extinction cannot have.
-pub(super) fn invalid_sample(samples: &[f32], dims: [u32; 3], block: [u32; 3]) -> MajorantError {
-    let invalid = find(samples, dims, block, |sample| !is_valid(sample));
-    let (at, value) = invalid.unwrap_or((block.map(|b| b * BLOCK), f32::NAN));
+pub(super) fn invalid_sample(
+    samples: &[f32],
+    dims: [u32; 3],
+    edge: u32,
+    block: [u32; 3],
+) -> MajorantError {
+    let invalid = find(samples, dims, edge, block, |sample| !is_valid(sample));
+    let (at, value) = invalid.unwrap_or((block.map(|b| b * edge), f32::NAN));
     MajorantError::Sample { at, value }
 }
 
@@ -137,23 +162,73 @@ pub fn fill_majorants(
     majorants: &mut [f32],
 ) -> Result<(), MajorantError> {
     check_dims(samples, dims)?;
-    check_table(majorants, dims)?;
-    for_each_entry(dims.map(blocks), |index, block| {
-        let bound = match block {
-            Some(block) => rounding::majorant(largest(samples, dims, block)?),
-            None => 0.0,
-        };
-        if let Some(entry) = majorants.get_mut(index) {
-            *entry = bound;
+    check_table(majorants, dims, BLOCK)?;
+    let [x, y, _] = block_counts(dims, BLOCK).map(|n| n as usize + 2);
+    for (slab, entries) in majorants.chunks_exact_mut(x * y).enumerate() {
+        fill_slab(samples, dims, BLOCK, slab, entries)?;
+    }
+    Ok(())
+}
+
+/// Computes one slab of a table of bounds, so that slabs may be computed side by side.
+///
+/// * `samples`, `dims`: as for [`fill_majorants`]. `edge`: of the blocks, one of [`EDGES`].
+/// * `slab`: which, along z, the first and the last one being the rim.
+/// * `entries`: (x + 2)(y + 2) of them for x × y blocks, overwritten.
+///
+/// # Errors
+/// As [`fill_majorants`], and an edge that blocks cannot have.
+pub fn fill_slab(
+    samples: &[f32],
+    dims: [u32; 3],
+    edge: u32,
+    slab: usize,
+    entries: &mut [f32],
+) -> Result<(), MajorantError> {
+    check_dims(samples, dims)?;
+    check_edge(edge)?;
+    let [nx, ny, nz] = block_counts(dims, edge);
+    let [across, down] = [nx, ny].map(|n| n as usize + 2);
+    if entries.len() != across * down {
+        return Err(MajorantError::Length {
+            expected: across * down,
+            found: entries.len(),
+        });
+    }
+    let z = (slab as u32).wrapping_sub(1);
+    for (y, row) in entries.chunks_exact_mut(across).enumerate() {
+        let y = (y as u32).wrapping_sub(1);
+        for (x, entry) in row.iter_mut().enumerate() {
+            let block = [(x as u32).wrapping_sub(1), y, z];
+            let inner = block[0] < nx && y < ny && z < nz;
+            *entry = if inner {
+                rounding::majorant(largest(samples, dims, edge, block)?)
+            } else {
+                0.0
+            };
         }
+    }
+    Ok(())
+}
+
+/// An edge that blocks can have.
+pub(super) fn check_edge(edge: u32) -> Result<(), MajorantError> {
+    if EDGES.contains(&edge) {
         Ok(())
-    })
+    } else {
+        Err(MajorantError::Edge(edge))
+    }
 }
 
 /// The largest sample of a footprint, all of which are looked at.
-fn largest(samples: &[f32], dims: [u32; 3], block: [u32; 3]) -> Result<f32, MajorantError> {
+fn largest(
+    samples: &[f32],
+    dims: [u32; 3],
+    edge: u32,
+    block: [u32; 3],
+) -> Result<f32, MajorantError> {
     let (mut largest, mut valid) = (0.0_f32, true);
-    rows(samples, dims, block).for_each(|(_, row)| {
+    rows(samples, dims, edge, block).for_each(|(_, row)| {
         for &sample in row {
             valid &= is_valid(sample);
             largest = largest.max(sample);
@@ -162,7 +237,7 @@ fn largest(samples: &[f32], dims: [u32; 3], block: [u32; 3]) -> Result<f32, Majo
     if valid {
         return Ok(largest);
     }
-    Err(invalid_sample(samples, dims, block))
+    Err(invalid_sample(samples, dims, edge, block))
 }
 
 impl<'a> MajorantGrid<'a> {
@@ -171,49 +246,72 @@ impl<'a> MajorantGrid<'a> {
     ///
     /// A bound must exceed the largest sample of its footprint by the factor 1 + 2⁻²¹ and three of the
     /// smallest floats, as interpolation by single precision can; those of [`fill_majorants`] do. Bounds
-    /// of the rim are zero.
+    /// of the rim are zero. [Leaps](crate::majorant::fill_leaps) stand for bounds of zero and are proved, too.
     ///
     /// # Errors
-    /// As [`fill_majorants`], and a sample whose bound fails.
+    /// As [`fill_majorants`], and a sample whose bound fails, or a leap over matter.
     pub fn new(
         samples: &'a [f32],
         dims: [u32; 3],
         majorants: &'a [f32],
     ) -> Result<Self, MajorantError> {
+        Self::with_edge(samples, dims, BLOCK, majorants)
+    }
+
+    /// As [`new`](Self::new), for blocks of another edge, one of [`EDGES`].
+    ///
+    /// # Errors
+    /// As [`new`](Self::new), and an edge that blocks cannot have.
+    pub fn with_edge(
+        samples: &'a [f32],
+        dims: [u32; 3],
+        edge: u32,
+        majorants: &'a [f32],
+    ) -> Result<Self, MajorantError> {
         check_dims(samples, dims)?;
-        check_table(majorants, dims)?;
-        for_each_entry(dims.map(blocks), |index, block| {
+        check_edge(edge)?;
+        check_table(majorants, dims, edge)?;
+        for_each_entry(block_counts(dims, edge), |index, block| {
             let bound = majorants.get(index).copied().unwrap_or(f32::NAN);
-            let covers =
-                |sample| bound.is_finite() && rounding::highest(sample) <= f64::from(bound);
-            let Some(block) = block else {
-                return check_rim(index, bound);
+            let covers = |sample| {
+                bound.is_finite() && rounding::highest(sample) <= f64::from(bound.max(0.0))
             };
-            if covers(largest(samples, dims, block)?) {
+            let Some(block) = block else {
+                return check_rim(index, if bound < 0.0 { 0.0 } else { bound });
+            };
+            if covers(largest(samples, dims, edge, block)?) {
                 return Ok(());
             }
-            let above = find(samples, dims, block, |sample| !covers(sample));
-            let (at, _) = above.unwrap_or((block.map(|b| b * BLOCK), f32::NAN));
+            let above = find(samples, dims, edge, block, |sample| !covers(sample));
+            let (at, _) = above.unwrap_or((block.map(|b| b * edge), f32::NAN));
             Err(MajorantError::Bound { at })
         })?;
+        leaps::prove(majorants, block_counts(dims, edge))?;
         Ok(Self {
             samples,
             majorants,
             dims,
+            edge,
         })
     }
 
-    /// Samples, and bounds, from one row and from one slice to the next, for grids of `dims` samples.
+    /// Samples, and bounds, from one row and from one slice to the next, for grids of `dims` samples and blocks of
+    /// `edge` cells.
     #[inline]
-    pub(crate) fn strides(dims: [u32; 3]) -> [[u32; 2]; 2] {
+    pub(crate) fn strides(dims: [u32; 3], edge: u32) -> [[u32; 2]; 2] {
         let [nx, ny, _] = dims;
-        let (bx, by) = (blocks(nx) + 2, blocks(ny) + 2);
+        let [bx, by, _] = block_counts(dims, edge).map(|n| n + 2);
         [[nx, nx.wrapping_mul(ny)], [bx, bx.wrapping_mul(by)]]
     }
 
     /// Samples along x, y and z.
     pub fn dims(&self) -> [u32; 3] {
         self.dims
+    }
+
+    /// Edge of a block, in voxel cells.
+    pub fn edge(&self) -> u32 {
+        self.edge
     }
 
     /// The far corner of the domain, in grid units; the near one is the origin.

@@ -4,8 +4,9 @@
 //! with several keeps them in a table, and each lane walks its own ([`Atlas`]).
 
 use crate::free_flight::delta::is_real;
-use crate::majorant::{GridLayout, GridWalk, MajorantGrid, Segment};
-use crate::medium::{Affine, IDENTITY, Medium, transform_ray};
+use crate::majorant::{BLOCK, GridLayout, GridWalk, MajorantGrid, Segment};
+use crate::medium::{Affine, Control, Controlled, IDENTITY, Medium, transform_ray};
+use crate::path::bricks::brick_counts;
 use crate::phase::Phase;
 use crate::ray::{FAR, Ray};
 use crate::real::{Mask, Real, Word};
@@ -33,6 +34,15 @@ pub trait PathMedium<R: Real>: Medium<R> {
 
 /// A medium of packets: the extinction at a place is that of one sample of a table, picked at random.
 pub trait Tapped<R: Real>: PathMedium<R> + Sized {
+    /// Whether it sends out light.
+    const SHINES: bool = false;
+
+    /// σ_a L_e by colour \[W/(m³ sr)\] at a place of the world, of a tap's extinction [1/length].
+    #[inline(always)]
+    fn emission(&self, _sigma_t: R, _place: Vec3<R>) -> Vec3<R> {
+        Vec3::uniform(0.0)
+    }
+
     /// Which sample stands for the place at distance `t` of the present segment: all that is asked of a tentative
     /// collision is asked of it.
     fn tap(&self, walk: &Self::Walk, t: R, rng: &mut impl Stream<R>, active: R::Mask) -> R::Word;
@@ -88,6 +98,8 @@ pub enum RecordKind {
         samples: u32,
         /// Index of the grid's first bound in the common table.
         majorants: u32,
+        /// Edge of a majorant block, in voxel cells.
+        edge: u32,
     },
 }
 
@@ -124,8 +136,22 @@ const STRIDES: usize = 23;
 const MAJORANTS: usize = 25;
 const MAJORANT_STRIDES: usize = 26;
 const LAST: usize = 28;
+const EDGE: usize = 31;
 
 impl MediumRecord {
+    /// The medium as light of one colour has it: grey.
+    ///
+    /// * `colour`: 0, 1 or 2.
+    pub fn of_colour(&self, colour: usize) -> Self {
+        let pick = |of: [f32; 3]| of.get(colour).copied().unwrap_or(0.0);
+        Self {
+            scale: self.scale * pick(self.colour),
+            colour: [1.0; 3],
+            albedo: [pick(self.albedo); 3],
+            ..*self
+        }
+    }
+
     /// The record as the words of a table.
     pub fn to_words(&self) -> [u32; RECORD_WORDS] {
         let mut words = [0; RECORD_WORDS];
@@ -141,24 +167,25 @@ impl MediumRecord {
         }
         put(G, self.g.to_bits());
         put(RAYLEIGH, u32::from(self.rayleigh));
-        let (affine, dims) = match self.kind {
-            RecordKind::Homogeneous => (IDENTITY, [2; 3]),
+        let (affine, dims, edge) = match self.kind {
+            RecordKind::Homogeneous => (IDENTITY, [2; 3], BLOCK),
             RecordKind::Grid {
                 world_to_grid,
                 dims,
                 samples,
                 majorants,
+                edge,
             } => {
                 put(IS_GRID, 1);
                 put(SAMPLES, samples);
                 put(MAJORANTS, majorants);
-                (world_to_grid, dims)
+                (world_to_grid, dims, edge)
             }
         };
         for (at, value) in affine.iter().flatten().enumerate() {
             put(AFFINE + at, value.to_bits());
         }
-        let [strides, majorant_strides] = MajorantGrid::strides(dims);
+        let [strides, majorant_strides] = MajorantGrid::strides(dims, edge);
         for axis in 0..2 {
             put(STRIDES + axis, strides[axis]);
             put(MAJORANT_STRIDES + axis, majorant_strides[axis]);
@@ -166,12 +193,23 @@ impl MediumRecord {
         for (axis, n) in dims.iter().enumerate() {
             put(LAST + axis, ((n - 1) as f32).to_bits());
         }
+        put(EDGE, (edge as f32).to_bits());
+        words
+    }
+
+    /// As [`to_words`](Self::to_words), for a grid that lies in [bricks](crate::path::Bricks).
+    pub(super) fn to_words_in_bricks(&self) -> [u32; RECORD_WORDS] {
+        let mut words = self.to_words();
+        if let RecordKind::Grid { dims, .. } = self.kind {
+            let [x, y, _] = brick_counts(dims);
+            (words[STRIDES], words[STRIDES + 1]) = (x, x.wrapping_mul(y));
+        }
         words
     }
 }
 
 /// Reads a record's fields, each lane its own or all the same, by a function of the field's place.
-struct Fields<F>(F);
+pub(super) struct Fields<F>(F);
 
 impl<F> Fields<F> {
     #[inline(always)]
@@ -193,7 +231,7 @@ impl<F> Fields<F> {
         )
     }
     #[inline(always)]
-    fn layout<R: Real>(&self) -> GridLayout<R>
+    pub(super) fn layout<R: Real>(&self) -> GridLayout<R>
     where
         F: Fn(usize) -> R::Word,
     {
@@ -203,12 +241,13 @@ impl<F> Fields<F> {
             strides: [word(STRIDES), word(STRIDES + 1)],
             majorants: word(MAJORANTS),
             majorant_strides: [word(MAJORANT_STRIDES), word(MAJORANT_STRIDES + 1)],
+            edge: self.real::<R>(EDGE),
             last: self.vec3::<R>(LAST),
             scale: self.real::<R>(SCALE),
         }
     }
     #[inline(always)]
-    fn to_grid<R: Real>(&self, ray: &Ray<R>) -> Ray<R>
+    pub(super) fn to_grid<R: Real>(&self, ray: &Ray<R>) -> Ray<R>
     where
         F: Fn(usize) -> R::Word,
     {
@@ -216,7 +255,7 @@ impl<F> Fields<F> {
         transform_ray([row(0), row(1), row(2)], ray)
     }
     #[inline(always)]
-    fn optics<R: Real>(&self) -> Optics<R>
+    pub(super) fn optics<R: Real>(&self) -> Optics<R>
     where
         F: Fn(usize) -> R::Word,
     {
@@ -234,7 +273,9 @@ impl<F> Fields<F> {
 
 /// Gives every lane the same record.
 #[inline(always)]
-fn constant<R: Real>(words: &[u32; RECORD_WORDS]) -> Fields<impl Fn(usize) -> R::Word + '_> {
+pub(super) fn constant<R: Real>(
+    words: &[u32; RECORD_WORDS],
+) -> Fields<impl Fn(usize) -> R::Word + '_> {
     Fields(|at: usize| R::Word::splat(words[at]))
 }
 
@@ -295,80 +336,6 @@ impl<R: Real> Tapped<R> for OneHomogeneous {
     #[inline(always)]
     fn value(&self, _: &(), _: R::Word, _: R::Mask) -> R {
         constant::<R>(&self.words).real::<R>(SCALE)
-    }
-}
-
-/// The only medium of a scene, on a grid.
-#[derive(Clone, Copy, Debug)]
-pub struct OneGrid<'a> {
-    words: [u32; RECORD_WORDS],
-    samples: &'a [f32],
-    majorants: &'a [f32],
-}
-
-impl<'a> OneGrid<'a> {
-    /// From its record, and the tables that the record points into.
-    pub fn new(record: &MediumRecord, samples: &'a [f32], majorants: &'a [f32]) -> Self {
-        Self {
-            words: record.to_words(),
-            samples,
-            majorants,
-        }
-    }
-}
-
-impl<R: Real> Medium<R> for OneGrid<'_> {
-    type Walk = GridWalk<R>;
-    const ONE_SEGMENT: bool = false;
-    const TIGHT: bool = false;
-
-    #[inline(always)]
-    fn idle(&self) -> GridWalk<R> {
-        GridWalk::idle()
-    }
-    #[inline(always)]
-    fn begin(&self, walk: &mut GridWalk<R>, ray: &Ray<R>, active: R::Mask) {
-        let fields = constant::<R>(&self.words);
-        walk.begin(
-            &fields.layout::<R>(),
-            &fields.to_grid(ray),
-            self.majorants,
-            active,
-        );
-    }
-    #[inline(always)]
-    fn segment(&self, walk: &GridWalk<R>) -> Segment<R> {
-        walk.segment()
-    }
-    #[inline(always)]
-    fn next_segment(&self, walk: &mut GridWalk<R>, active: R::Mask) {
-        walk.next_segment(self.majorants, active);
-    }
-    #[inline(always)]
-    fn sigma_t(&self, walk: &GridWalk<R>, t: R, rng: &mut impl Stream<R>, active: R::Mask) -> R {
-        walk.sigma_t(self.samples, t, rng, active)
-    }
-}
-
-impl<R: Real> PathMedium<R> for OneGrid<'_> {
-    #[inline(always)]
-    fn enter(&self, walk: &mut GridWalk<R>, ray: &Ray<R>, _: R::Word, active: R::Mask) {
-        self.begin(walk, ray, active);
-    }
-    #[inline(always)]
-    fn optics(&self, _: &GridWalk<R>) -> Optics<R> {
-        constant::<R>(&self.words).optics::<R>()
-    }
-}
-
-impl<R: Real> Tapped<R> for OneGrid<'_> {
-    #[inline(always)]
-    fn tap(&self, walk: &GridWalk<R>, t: R, rng: &mut impl Stream<R>, active: R::Mask) -> R::Word {
-        walk.tap(t, rng, active)
-    }
-    #[inline(always)]
-    fn value(&self, walk: &GridWalk<R>, tap: R::Word, _: R::Mask) -> R {
-        walk.value(self.samples, tap)
     }
 }
 
@@ -476,6 +443,27 @@ impl<R: Real> Tapped<R> for Atlas<'_> {
             R::select(walk.is_grid, grid, walk.scale)
         } else {
             walk.scale
+        }
+    }
+}
+
+impl<R: Real> Controlled<R> for OneHomogeneous {
+    #[inline(always)]
+    fn control(&self, walk: &()) -> Control<R> {
+        let sigma_t = self.segment(walk).majorant;
+        Control {
+            minimum: sigma_t,
+            mean: sigma_t,
+        }
+    }
+}
+
+impl<R: Real> Controlled<R> for Atlas<'_> {
+    #[inline(always)]
+    fn control(&self, walk: &AtlasWalk<R>) -> Control<R> {
+        Control {
+            minimum: R::zero(),
+            mean: self.segment(walk).majorant,
         }
     }
 }

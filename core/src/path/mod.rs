@@ -21,27 +21,40 @@
 //! as a path draws only its own numbers in its own order; packets use that freedom to fill their
 //! lanes, and one lane simply follows the arrows.
 
+mod absorption;
+mod bricks;
 mod counts;
 mod geometry;
 mod media;
+mod one_grid;
+mod source;
 mod state;
 
+pub use absorption::{absorb, sample_of};
+pub use bricks::{
+    BRICK, BRICK_SAMPLES, Bricks, Exact, brick_counts, code, code_floor, half_to_single,
+};
 pub use counts::Counts;
 pub use geometry::{Convex, Geometry, Stretch};
 pub use media::{
-    Atlas, Decided, MediumRecord, OneGrid, OneHomogeneous, Optics, PathMedium, RECORD_WORDS,
-    RecordKind, Tapped,
+    Atlas, Decided, MediumRecord, OneHomogeneous, Optics, PathMedium, RECORD_WORDS, RecordKind,
+    Tapped,
 };
+pub use one_grid::{OneGrid, Store};
+pub use source::{BlackBodies, Field, Radiance, Shining, Source};
 pub use state::{Paths, Stage};
 
 use crate::camera::Camera;
 use crate::light::Lights;
 
-/// Which estimator a shadow ray uses where the medium has no closed form.
+/// Which estimator of transmittance is used where the medium has no closed form.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ShadowEstimator {
-    /// [`crate::transmittance::ratio`].
+    /// [`crate::transmittance::power_series`] for the camera rays of scenes that only absorb, which see little else;
+    /// [`crate::transmittance::ratio`] with roulette for shadow rays, most of which are soon blocked.
     #[default]
+    ByNeed,
+    /// [`crate::transmittance::ratio`].
     Ratio,
     /// [`crate::transmittance::delta`].
     Delta,
@@ -60,23 +73,27 @@ pub struct Settings {
     /// Whether each flight within a medium of constant extinction collides, what would have passed being scored as it
     /// goes; for scenes whose rays meet one stretch of one medium at most.
     pub forced: bool,
-    /// The density of scattering towards a light, times throughput [1/sr], below which shadow rays play roulette.
+    /// The density of scattering towards a light, times throughput [1/sr], below which a shadow ray plays roulette for
+    /// being traced at all; positive. Those that are traced bring at least as much but for what is in their way, and play
+    /// roulette again where that leaves little of it.
     pub faint: f32,
-    /// dim
-    pub dim: f32,
     /// The throughput below which a path plays roulette, and survives with it.
     pub roulette: f32,
+}
+
+impl Settings {
+    /// What [`faint`](Self::faint) is where every shadow ray is to be traced.
+    pub const ALL_SHADOW_RAYS: f32 = 1e-9;
 }
 
 impl Default for Settings {
     fn default() -> Self {
         Self {
             max_depth: u32::MAX,
-            shadow: ShadowEstimator::Ratio,
+            shadow: ShadowEstimator::ByNeed,
             points: false,
             forced: false,
-            faint: 0.0,
-            dim: 0.01,
+            faint: 0.06,
             roulette: 0.25,
         }
     }

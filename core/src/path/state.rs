@@ -72,10 +72,37 @@ pub struct Paths<R: Real, W, S, const CHROMATIC: bool, const ANY_RAYLEIGH: bool>
 
 /// A word beyond any number of stretches: the next search finds nothing.
 const NO_MORE: u32 = 1 << 30;
-/// Below this weight a shadow ray plays roulette, and survives with it.
-const ROULETTE_SHADOW: f32 = 0.125;
+/// The part of what makes a shadow ray faint below which it plays roulette on its way, and survives with it.
+const FAINT_ON_THE_WAY: f32 = 0.4;
+/// Every shadow ray plays roulette below this weight.
+const LEAST: f32 = 1.0 / 64.0;
+/// No shadow ray plays roulette above this weight.
+const ROULETTE_SHADOW: f32 = 0.5;
 /// A density that no competing strategy comes near.
 const CERTAIN: f32 = 1e30;
+
+/// The camera rays of new paths.
+#[inline(always)]
+pub(super) fn camera_ray<R: Real, M, G: ?Sized>(
+    scene: &Scene<'_, M, G>,
+    [x, y]: [R; 2],
+    strata: &LaneStrata<R::Word>,
+    rng: &mut impl Stream<R>,
+    lanes: R::Mask,
+) -> Ray<R> {
+    if !scene.settings.points {
+        return scene.camera.ray(x, y, rng, lanes);
+    }
+    let choices = [
+        Choice::PixelX,
+        Choice::PixelY,
+        Choice::LensRadius,
+        Choice::LensTurn,
+    ];
+    let leading = choices.map(|choice| strata.leading(choice));
+    let mut stream = Stratified::new(rng, leading, lanes);
+    scene.camera.ray(x, y, &mut stream, lanes)
+}
 
 impl<R, W, S, const CHROMATIC: bool, const ANY_RAYLEIGH: bool>
     Paths<R, W, S, CHROMATIC, ANY_RAYLEIGH>
@@ -185,20 +212,7 @@ where
     /// * `x`, `y`: column and row of each path's pixel.
     #[inline(always)]
     pub fn launch<M, G: ?Sized>(&mut self, scene: &Scene<'_, M, G>, x: R, y: R, lanes: R::Mask) {
-        let ray = if scene.settings.points {
-            let strata = &self.strata;
-            let choices = [
-                Choice::PixelX,
-                Choice::PixelY,
-                Choice::LensRadius,
-                Choice::LensTurn,
-            ];
-            let leading = choices.map(|choice| strata.leading(choice));
-            let mut stream = Stratified::<R, S, 4>::new(&mut self.stream, leading, lanes);
-            scene.camera.ray(x, y, &mut stream, lanes)
-        } else {
-            scene.camera.ray(x, y, &mut self.stream, lanes)
-        };
+        let ray = camera_ray(scene, [x, y], &self.strata, &mut self.stream, lanes);
         self.ray = Ray::select(lanes, &ray, &self.ray);
         self.throughput = Vec3::select(lanes, Vec3::uniform(1.0), self.throughput);
         self.radiance = Vec3::select(lanes, Vec3::uniform(0.0), self.radiance);
@@ -414,11 +428,21 @@ where
         let tap = scene
             .medium
             .tap(&self.tracker.walk, t, &mut self.stream, lanes);
-        let valued = if CHROMATIC { lanes } else { shadow };
+        let valued = if CHROMATIC || M::SHINES {
+            lanes
+        } else {
+            shadow
+        };
         let mut sigma_t = majorant;
         if valued.any() {
             sigma_t = scene.medium.value(&self.tracker.walk, tap, valued);
             self.count_exact::<M>(valued, majorant.lt(sigma_t) & valued);
+        }
+        if M::SHINES && flight.any() {
+            let place = self.entry + self.ray.direction * t;
+            let source = scene.medium.emission(sigma_t, place) * (R::one() / majorant);
+            let radiance = self.radiance + self.throughput.times(source);
+            self.radiance = Vec3::select(flight, radiance, self.radiance);
         }
         let mut real = R::Mask::splat(false);
         if flight.any() {
@@ -514,7 +538,7 @@ where
         let rng = &mut self.stream;
         let old = self.weight;
         let mut lower = |sigma_t: R, weight: R| match scene.settings.shadow {
-            ShadowEstimator::Ratio => {
+            ShadowEstimator::ByNeed | ShadowEstimator::Ratio => {
                 Ratio::collide::<R, M>(weight, sigma_t, majorant, rng, shadow)
             }
             ShadowEstimator::Delta => {
@@ -537,8 +561,7 @@ where
         } else {
             new.x
         };
-        let factor =
-            collision::roulette(largest, self.floor, &mut self.stream, shadow);
+        let factor = collision::roulette(largest, self.floor, &mut self.stream, shadow);
         self.weight = Vec3::select(shadow, new * factor, old);
         (largest * factor).eq(R::zero()) & shadow
     }
@@ -612,8 +635,10 @@ where
             let looks = alive.and_not(factor.eq(R::zero()));
             self.direct = Vec3::select(looks, direct * factor, self.direct);
             self.weight = Vec3::select(looks, Vec3::uniform(1.0), self.weight);
-            let floor = R::splat(scene.settings.dim) / promise.max(R::splat(scene.settings.faint));
-            self.floor = R::select(looks, floor.min(R::splat(0.5)), self.floor);
+            let faint = R::splat(scene.settings.faint);
+            let floor = faint * R::splat(FAINT_ON_THE_WAY) / promise.max(faint);
+            let floor = floor.max(R::splat(LEAST)).min(R::splat(ROULETTE_SHADOW));
+            self.floor = R::select(looks, floor, self.floor);
             self.next_direction = Vec3::select(looks, direction, self.next_direction);
             let onward = Vec3::select(looks, light.direction, direction);
             self.ray.direction = Vec3::select(alive, onward, incoming);

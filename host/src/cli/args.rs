@@ -307,6 +307,8 @@ pub enum Transmittance {
     Delta,
     /// Closed form, for media that have one
     Closed,
+    /// Power series about a jittered estimate, for scenes that only absorb
+    PowerSeries,
 }
 
 impl Transmittance {
@@ -316,6 +318,7 @@ impl Transmittance {
             Self::Ratio => "ratio",
             Self::Delta => "delta",
             Self::Closed => "closed",
+            Self::PowerSeries => "power-series",
         }
     }
 }

@@ -110,12 +110,18 @@ pub(super) fn plan(
                 "--transmittance closed: this scene has media on grids, which have no closed form";
             return Err(Failure::Usage(message.into()));
         }
+        Some(Transmittance::PowerSeries) if world.needs.runs(Feature::Scattering) => {
+            let message = "--transmittance power-series: only scenes that absorb and do not scatter can do it";
+            return Err(Failure::Usage(message.into()));
+        }
         _ if !tracking => Transmittance::Closed,
+        None if !world.needs.runs(Feature::Scattering) => Transmittance::PowerSeries,
         asked => asked.unwrap_or(Transmittance::Ratio),
     };
     let shadow = match estimator {
         Transmittance::Delta => ShadowEstimator::Delta,
-        Transmittance::Ratio | Transmittance::Closed => ShadowEstimator::Ratio,
+        Transmittance::Ratio => ShadowEstimator::Ratio,
+        Transmittance::PowerSeries | Transmittance::Closed => ShadowEstimator::ByNeed,
     };
     let seed = args.seed.or(scene.seed).unwrap_or(0);
     let integrator = args

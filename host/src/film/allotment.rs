@@ -129,6 +129,18 @@ impl Places {
         self.len() == 0
     }
 
+    /// Column, row and samples of each pixel, in the order of numbers.
+    pub fn pixels(&self) -> impl Iterator<Item = (u32, u32, Range<u32>)> {
+        let window = self.window;
+        let rows = window.y0..window.y1;
+        let pixels = rows.flat_map(move |y| (window.x0..window.x1).map(move |x| (x, y)));
+        pixels.enumerate().map(|(index, (x, y))| {
+            let uneven = self.uneven.as_ref().and_then(|(ends, _)| ends.get(index));
+            let end = uneven.copied().unwrap_or(self.samples.end);
+            (x, y, self.samples.start..end)
+        })
+    }
+
     /// The sample of a number below [`len`](Self::len).
     pub fn place(&self, number: usize) -> Place {
         let start = self.samples.start;

@@ -198,6 +198,12 @@ impl Tile {
     ///
     /// As [`add`](Self::add). If they are the whole replicate, and finite, they say what its mean is.
     pub fn add_replicate(&mut self, x: u32, y: u32, first: u32, samples: &[PathSample]) {
+        if self.replicate == 1 {
+            for (path, sample) in samples.iter().zip(first..) {
+                self.add(x, y, sample, path.radiance, path.alpha);
+            }
+            return;
+        }
         let whole =
             first.is_multiple_of(self.replicate) && samples.len() == self.replicate as usize;
         let channel = |c: usize| samples.iter().map(move |path| path.radiance[c]);

@@ -44,6 +44,7 @@ mod mlt;
 mod next_event;
 mod pass;
 mod path;
+pub(crate) mod room;
 mod scatter;
 mod score;
 mod tracer;

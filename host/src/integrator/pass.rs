@@ -9,7 +9,7 @@ use super::bdpt::{self, Splat, Workspace};
 use super::canvas::Canvas;
 use super::mlt;
 use super::tracer::Tracer;
-use super::{Draws, Sample, Settings, path, transmittance};
+use super::{Draws, Sample, Settings, path, room, transmittance};
 use crate::drive::Progress;
 use crate::film::{Allotment, Film, Landing, LayerSample, Places, Tile};
 use crate::render::Plan;
@@ -208,6 +208,9 @@ pub(super) fn stream(world: &World, plan: &Plan, [x, y]: [u32; 2], sample: u32) 
 }
 
 fn render_tile(world: &World, plan: &Plan, tile: &mut Tile, places: &Places) -> Counts {
+    if let Some(blueprint) = room::of(world, plan) {
+        return room::render_tile(blueprint, world, plan, tile, places);
+    }
     let mut tracer = Tracer::new(world);
     let mut landing = Landing::default();
     for place in (0..places.len()).map(|number| places.place(number)) {
@@ -230,6 +233,9 @@ pub(crate) fn replay(
     pixel: [u32; 2],
     index: u32,
 ) -> (PathSample, Counts) {
+    if let Some(blueprint) = room::of(world, plan) {
+        return room::replay(blueprint, world, plan, pixel, index);
+    }
     let mut tracer = Tracer::new(world);
     let mut draws = stream(world, plan, pixel, index);
     let sample = sample(&mut tracer, plan, pixel, &mut draws);

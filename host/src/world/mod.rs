@@ -11,6 +11,7 @@ mod shape;
 mod work;
 
 pub use boundaries::{Boundaries, Sides};
+pub(crate) use medium::PacketSource;
 pub use medium::{
     Beyond, CloudDensity, CloudField, Details, Emission, EmissiveVoxel, Field, Local, Medium,
     PhaseFunction, Support, Tables,
@@ -21,13 +22,14 @@ pub use work::LIMIT as COLLISION_LIMIT;
 use glam::{DAffine3, DVec3};
 use woodcock_core::camera::{self, Camera};
 use woodcock_core::light::{Distant, Lights};
-use woodcock_core::path::{Convex, RECORD_WORDS};
+use woodcock_core::path::{Convex, RECORD_WORDS, Settings};
 use woodcock_core::ray::{FAR, Ray as CoreRay};
 use woodcock_core::vec3::Vec3;
 
 use crate::bsdf::Materials;
 use crate::integrator::Stretch;
 use crate::integrator::glow::Glow;
+use crate::integrator::room::Blueprint;
 use crate::light::Lights as Lighting;
 use crate::ray::Ray;
 use crate::surface::Surfaces;
@@ -84,8 +86,12 @@ pub struct World {
     pub materials: Materials,
     /// All lights but media, as scalar integrators sample them.
     pub lighting: Lighting,
+    /// The light of the only medium, for packets.
+    pub(crate) source: Option<PacketSource>,
     /// Media that shine, as lights.
     pub(crate) glow: Option<Glow>,
+    /// The tables of a scene that is a room.
+    pub(crate) room: Option<Blueprint>,
     /// The largest extinction of each medium, by its bounds [1/length].
     pub(crate) thickest: Vec<f64>,
     /// The diameter of what bounds the media \[length\]; infinite where one fills space.
@@ -150,6 +156,24 @@ impl World {
         };
         self.stretches(&ray, f64::INFINITY, &mut found);
         found.iter().any(|s| s.2 == medium && s.0 <= 0.0)
+    }
+
+    /// How packets trace paths; the depth is for the user to limit.
+    pub(crate) fn settings(&self) -> Settings {
+        let forced = !self.needs.runs(Feature::FreePassage) && self.needs.runs(Feature::Scattering);
+        let all = Settings::default();
+        Settings {
+            points: !self.needs.runs(Feature::IndependentSamples),
+            forced,
+            faint: if self.needs.runs(Feature::FaintShadowRays) {
+                Settings::ALL_SHADOW_RAYS
+            } else {
+                faint(&self.media)
+            },
+            // What a flight leaves is small where most of it has passed and been scored, and not because it is lost.
+            roulette: if forced { 0.03 } else { all.roulette },
+            ..all
+        }
     }
 
     /// The lights as kernels see them.
@@ -263,14 +287,20 @@ pub fn assemble(scene: &Scene, files: &dyn Files, options: &Options) -> Result<W
     let lighting = Lighting::new(scene, &surfaces, bounds, origin, files, &options.limits)?;
     let alone = lighting.is_empty();
     let glow = Glow::new(&assembled.media, &assembled.tables, alone);
+    let source = match assembled.media.as_slice() {
+        [medium] => medium.packet_source(),
+        _ => None,
+    };
     let overlaps = matches!(&place, Location::Boundaries(b) if b.overlap());
     scalar_needed(
         scene,
-        (&assembled.media, overlaps),
+        (&assembled.media, overlaps, source.is_some()),
         &surfaces,
         keep,
         &mut needs,
     );
+    let room = room(scene, origin, (&assembled.media, &place), keep, &mut needs);
+    path_needed(scene, &assembled.media, &place, keep, &mut needs);
     let (distant, environment) = lights(scene)?;
     let records = assembled
         .media
@@ -303,14 +333,38 @@ pub fn assemble(scene: &Scene, files: &dyn Files, options: &Options) -> Result<W
         surfaces,
         materials,
         lighting,
+        source,
         glow,
+        room,
     })
+}
+
+/// The tables of a scene that is a room, and the row that says whether it is one.
+fn room(
+    scene: &Scene,
+    origin: DVec3,
+    (media, place): (&[Medium], &Location),
+    keep: &[Feature],
+    needs: &mut Needs,
+) -> Option<Blueprint> {
+    if scene.surfaces.is_empty() && scene.instances.is_empty() {
+        let kept = needs.runs(Feature::Surfaces);
+        needs.decide(Feature::DetailedSurfaces, kept, keep, "no surfaces");
+        return None;
+    }
+    let room = Blueprint::new(scene, origin, media, place);
+    let reason = match &room {
+        Ok(room) => room.summary(),
+        Err(refusal) => (*refusal).to_owned(),
+    };
+    needs.decide(Feature::DetailedSurfaces, room.is_err(), keep, reason);
+    room.ok()
 }
 
 /// What only scalar integrators do.
 fn scalar_needed(
     scene: &Scene,
-    (media, overlaps): (&[Medium], bool),
+    (media, overlaps, lit_in_packets): (&[Medium], bool, bool),
     surfaces: &Surfaces,
     keep: &[Feature],
     needs: &mut Needs,
@@ -332,10 +386,17 @@ fn scalar_needed(
         n => format!("{n} lights at points or with pictures"),
     };
     needs.decide(Feature::LocalLights, local > 0, &[], reason);
-    let detailed = media.iter().filter(|medium| !medium.is_plain()).count();
+    let shining = media.iter().filter(|medium| medium.is_emissive()).count();
+    let reason = match shining {
+        0 => "no medium shines".to_owned(),
+        n => format!("{n} media shine"),
+    };
+    needs.decide(Feature::Emission, shining > 0, &[], reason);
+    let beyond_packets = |medium: &&Medium| !medium.is_plain() && !lit_in_packets;
+    let detailed = media.iter().filter(beyond_packets).count();
     let mixed = overlaps && needs.runs(Feature::Chromatic);
     let reason = match (detailed, mixed) {
-        (0, false) => "media are grey or of one colour, and dark".to_owned(),
+        (0, false) => "media are grey or of one colour throughout".to_owned(),
         (0, true) => "coloured media overlap".to_owned(),
         (n, _) => format!("{n} media shine, vary in colour or scatter by other laws"),
     };
@@ -353,6 +414,122 @@ fn scalar_needed(
     // Where media overlap, a place does not tell which of them scatters.
     let keep = if overlaps { &[] } else { keep };
     needs.decide(Feature::EquiAngular, near && !overlaps, keep, reason);
+}
+
+/// What the paths of packets may leave out.
+fn path_needed(
+    scene: &Scene,
+    media: &[Medium],
+    place: &Location,
+    keep: &[Feature],
+    needs: &mut Needs,
+) {
+    if !needs.in_packets() {
+        let reason = "the scalar integrators";
+        for feature in [
+            Feature::Scattering,
+            Feature::FreePassage,
+            Feature::FaintShadowRays,
+            Feature::SharedPaths,
+        ] {
+            needs.decide(feature, true, keep, reason);
+        }
+        let apart = needs.runs(Feature::DetailedSurfaces) || !needs.runs(Feature::Surfaces);
+        let reason = if apart { reason } else { SHARED };
+        needs.decide(Feature::IndependentSamples, apart, keep, reason);
+        return;
+    }
+    let scatters = media.iter().any(|m| m.record.albedo != [0.0; 3]);
+    let shines = needs.runs(Feature::Emission);
+    let reason = match (scatters, shines, media.is_empty()) {
+        (true, ..) => "a medium scatters",
+        (false, true, _) => "a medium shines on the way to where flights end",
+        (false, false, false) => "absorption only: transmittance alone",
+        (false, false, true) => "no medium to be seen",
+    };
+    let scatters = scatters || shines;
+    let scatters = needs.decide(Feature::Scattering, scatters, keep, reason);
+    let one = matches!(place, Location::Convex(convex) if *convex != Convex::Everywhere)
+        && !needs.runs(Feature::Tracking)
+        && !needs.runs(Feature::SeveralMedia);
+    let spread = spread(media);
+    let alike = spread < COLOURS_APART;
+    let reason = match (needs.runs(Feature::Chromatic), alike) {
+        (false, _) => "extinction is grey".to_owned(),
+        (true, true) => {
+            format!("extinction differs between colours by a factor of {spread:.2} only")
+        }
+        (true, false) => {
+            format!(
+                "extinction differs {spread:.1}-fold between colours: each has grey paths of its own"
+            )
+        }
+    };
+    let chromatic = needs.runs(Feature::Chromatic);
+    let shared = needs.decide(Feature::SharedPaths, !chromatic || alike, keep, reason);
+    let grey = !(chromatic && shared);
+    let escapes = !needs.runs(Feature::EnvironmentNextEvent);
+    let reason = match (scatters, one, grey, escapes) {
+        (false, ..) => "no flight to end",
+        (true, true, true, true) => {
+            "one homogeneous grey medium: each flight collides, what would pass is scored"
+        }
+        (true, true, true, false) => "the sky is sampled as well",
+        (true, true, false, _) => "extinction differs between colours",
+        (true, false, ..) => "no closed form for what passes",
+    };
+    let passage = scatters && !(one && grey && escapes);
+    needs.decide(Feature::FreePassage, passage, keep, reason);
+    let reason = if !scatters || scene.lights.is_empty() {
+        "no shadow ray".to_owned()
+    } else {
+        let faint = faint(media);
+        format!("one that scattering favours less than {faint:.3}/sr is traced by chance only")
+    };
+    needs.decide(Feature::FaintShadowRays, false, keep, reason);
+    needs.decide(Feature::IndependentSamples, false, keep, SHARED);
+}
+
+/// Why samples need not be independent.
+const SHARED: &str = "sixteen samples of a pixel share out their first choices";
+
+/// Colours whose extinctions differ by this factor or more have paths of their own. One path for all carries weights
+/// that drift apart with each collision until it serves one colour, at the cost of the most opaque.
+const COLOURS_APART: f64 = 1.33;
+
+/// The largest over the smallest extinction of a medium's colours, of the medium where they differ most; infinite
+/// where one has none.
+fn spread(media: &[Medium]) -> f64 {
+    let of = |medium: &Medium| {
+        let least = medium.record.colour.into_iter().fold(1.0, f32::min);
+        1.0 / f64::from(least)
+    };
+    media.iter().map(of).fold(1.0, f64::max)
+}
+
+/// The density of scattering [1/sr] below which shadow rays are faint: a share of the root mean square of that of the
+/// most even medium.
+///
+/// A shadow ray costs about the same whatever it brings, so it should be traced with a probability in proportion to
+/// that, and what is usual in the scene is worth its cost. The share was found on clouds with g = 0 and g = 0.85.
+pub(crate) fn faint(media: &[Medium]) -> f32 {
+    const SHARE: f64 = 0.7;
+    const UNIFORM: f64 = 0.25 / std::f64::consts::PI;
+    let scattering = media.iter().filter(|m| m.record.albedo != [0.0; 3]);
+    let rms = scattering.map(|medium| {
+        let g = f64::from(medium.record.g);
+        if medium.record.rayleigh {
+            UNIFORM * (2.1_f64 * 8.0 / 15.0).sqrt()
+        } else {
+            UNIFORM * (1.0 + g * g).sqrt() / (1.0 - g * g)
+        }
+    });
+    let least = rms.fold(f64::INFINITY, f64::min);
+    if least.is_finite() {
+        (SHARE * least) as f32
+    } else {
+        Settings::default().faint
+    }
 }
 
 /// Size of the picture, and the part of it to render.

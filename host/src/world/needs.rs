@@ -27,17 +27,31 @@ pub enum Feature {
     Lens,
     /// Surfaces with matter or light, and the scalar path tracer that meets them.
     Surfaces,
+    /// Surfaces and lamps of any kind and number, in double precision: what is no [room](woodcock_core::room).
+    DetailedSurfaces,
     /// Lights at places, and pictures of the sky.
     LocalLights,
-    /// Media that shine, change colour from place to place, or scatter by other laws than two.
+    /// Light from within media.
+    Emission,
+    /// Media that change colour from place to place, scatter by other laws than two, or shine where there are several.
     DetailedMedia,
     /// Distances sampled by how near a light is.
     EquiAngular,
+    /// Directions after a collision, and all that comes of them.
+    Scattering,
+    /// Flights that pass a medium by chance.
+    FreePassage,
+    /// Shadow rays however little they would bring.
+    FaintShadowRays,
+    /// Paths that carry all colours.
+    SharedPaths,
+    /// First choices drawn apart from those of other samples.
+    IndependentSamples,
 }
 
 impl Feature {
     /// All of them, in the order of the table.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 19] = [
         Self::Tracking,
         Self::Chromatic,
         Self::SeveralMedia,
@@ -47,9 +61,16 @@ impl Feature {
         Self::Rayleigh,
         Self::Lens,
         Self::Surfaces,
+        Self::DetailedSurfaces,
         Self::LocalLights,
+        Self::Emission,
         Self::DetailedMedia,
         Self::EquiAngular,
+        Self::Scattering,
+        Self::FreePassage,
+        Self::FaintShadowRays,
+        Self::SharedPaths,
+        Self::IndependentSamples,
     ];
 
     /// Its name on the command line and in statistics.
@@ -64,9 +85,16 @@ impl Feature {
             Self::Rayleigh => "rayleigh",
             Self::Lens => "lens",
             Self::Surfaces => "surfaces",
+            Self::DetailedSurfaces => "detailed-surfaces",
             Self::LocalLights => "local-lights",
+            Self::Emission => "emission",
             Self::DetailedMedia => "detailed-media",
             Self::EquiAngular => "equi-angular",
+            Self::Scattering => "scattering",
+            Self::FreePassage => "free-passage",
+            Self::FaintShadowRays => "faint-shadow-rays",
+            Self::SharedPaths => "shared-paths",
+            Self::IndependentSamples => "independent-samples",
         }
     }
 
@@ -74,7 +102,7 @@ impl Feature {
     pub const fn can_be_kept(self) -> bool {
         !matches!(
             self,
-            Self::NextEvent | Self::Lens | Self::LocalLights | Self::DetailedMedia
+            Self::NextEvent | Self::Lens | Self::LocalLights | Self::Emission | Self::DetailedMedia
         )
     }
 
@@ -144,6 +172,11 @@ impl Needs {
             Feature::EquiAngular,
         ];
         !scalar.into_iter().any(|feature| self.runs(feature))
+    }
+
+    /// Whether packets trace a path for each colour, grey.
+    pub(crate) fn colours_apart(&self) -> bool {
+        self.in_packets() && !self.runs(Feature::SharedPaths)
     }
 
     /// Whether the code of a feature runs.

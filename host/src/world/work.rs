@@ -4,7 +4,7 @@
 //! none of these comes soon a render would seem to hang; so the mean number of collisions is bounded beforehand, and
 //! a scene beyond [`LIMIT`] is refused.
 
-use woodcock_core::majorant::majorant_count;
+use woodcock_core::majorant::majorant_count_of;
 use woodcock_core::path::RecordKind;
 
 use super::{Medium, Tables};
@@ -45,10 +45,13 @@ pub(super) fn thickest(medium: &Medium, tables: &Tables) -> f64 {
     let largest = match record.kind {
         RecordKind::Homogeneous => 1.0,
         RecordKind::Grid {
-            dims, majorants, ..
+            dims,
+            majorants,
+            edge,
+            ..
         } => {
             let first = majorants as usize;
-            let bounds = first..first + majorant_count(dims).unwrap_or(0);
+            let bounds = first..first + majorant_count_of(dims, edge).unwrap_or(0);
             let bounds = tables.majorants.get(bounds).unwrap_or_default();
             f64::from(bounds.iter().fold(0.0_f32, |a, b| a.max(*b)))
         }

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use glam::{DAffine3, DVec3};
+use woodcock_core::majorant::BLOCK;
 use woodcock_core::path::{MediumRecord, RecordKind};
 
 use super::blackbody::DARK;
@@ -150,6 +151,7 @@ pub(in crate::world) fn assemble(
                 dims: CloudDensity::DIMS,
                 samples: 0,
                 majorants: tables.majorants.len() as u32,
+                edge: BLOCK,
             };
             tables.majorants.extend(majorants);
             details.cloud = Some(cloud);

@@ -43,6 +43,18 @@ impl BlackBodies {
         }
     }
 
+    /// All colours times a factor, √(1/T) of the first, and how many there are per unit of it.
+    pub(super) fn table(&self, scale: f64) -> (Vec<f32>, f32, f32) {
+        let scaled = self.colours.iter().flatten().map(|c| (c * scale) as f32);
+        let range = self.far - self.near;
+        let density = if range > 0.0 {
+            INTERVALS as f64 / range
+        } else {
+            0.0
+        };
+        (scaled.collect(), self.near as f32, density as f32)
+    }
+
     /// The colour at a temperature \[K\], that of the nearer end beyond the table; of a spectrum that is one at its peak.
     pub(super) fn colour(&self, kelvin: f64) -> [f64; 3] {
         if kelvin.is_nan() || kelvin <= DARK {

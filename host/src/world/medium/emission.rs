@@ -38,10 +38,10 @@ pub(super) enum Radiance {
 /// Temperatures by place.
 #[derive(Clone, Debug)]
 pub(super) struct Temperatures {
-    field: Field<1>,
-    offset: f64,
-    scale: f64,
-    colours: BlackBodies,
+    pub(super) field: Field<1>,
+    pub(super) offset: f64,
+    pub(super) scale: f64,
+    pub(super) colours: BlackBodies,
 }
 
 impl Temperatures {

@@ -26,7 +26,7 @@ pub enum Beyond<const N: usize> {
 
 impl<const N: usize> Field<N> {
     /// The sample at an index.
-    fn sample(&self, index: [i64; 3]) -> [f32; N] {
+    pub(super) fn sample(&self, index: [i64; 3]) -> [f32; N] {
         let mut at = [0_usize; 3];
         for axis in 0..3 {
             let last = self.dims[axis] as i64 - 1;

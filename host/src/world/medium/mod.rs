@@ -8,6 +8,7 @@
 
 mod assembly;
 mod blackbody;
+mod bounds;
 mod cells;
 mod cloud;
 mod details;
@@ -15,6 +16,7 @@ mod emission;
 mod field;
 mod local;
 mod noise;
+mod packets;
 mod phase;
 mod samples;
 mod sources;
@@ -26,6 +28,7 @@ pub use details::Details;
 pub use emission::Emission;
 pub use field::{Beyond, Field};
 pub use local::Local;
+pub(crate) use packets::PacketSource;
 pub use phase::PhaseFunction;
 pub(super) use samples::rows;
 pub use voxels::EmissiveVoxel;

@@ -1,10 +1,10 @@
 //! Grids on their way into the tables.
 
 use glam::{DAffine3, DMat3, DVec3};
-use woodcock_core::majorant::{fill_majorants, majorant_count};
 use woodcock_core::medium::Affine;
 use woodcock_core::path::RecordKind;
 
+use super::bounds::Bounds;
 use super::details::Share;
 use super::{Support, Tables};
 use crate::scene::NamedMedium;
@@ -118,21 +118,23 @@ pub(super) fn append(
     scale: f32,
     tables: &mut Tables,
 ) -> Result<RecordKind, String> {
-    let bounds = majorant_count(dims).ok_or("its grid has too many voxels")?;
     let (first, first_bound) = (tables.samples.len(), tables.majorants.len());
     if first + values.len() > i32::MAX as usize {
         return Err("the scene's grids have more than 2^31 voxels".into());
     }
-    tables.majorants.resize(first_bound + bounds, 0.0);
-    let space = tables.majorants.get_mut(first_bound..).unwrap_or_default();
-    fill_majorants(&values, dims, space).map_err(|error| error.to_string())?;
+    let depth = f64::from(scale) * voxel_edge(&world_to_grid);
+    let bounds = Bounds::new(&values, dims, depth).map_err(|error| error.to_string())?;
     // An infinite bound would leave paths where they are, for ever.
-    let peak = space.iter().copied().fold(0.0, f32::max);
+    let peak = bounds.majorants.iter().copied().fold(0.0, f32::max);
     if !(peak * scale).is_finite() {
         return Err(format!(
             "density {peak:e} times {scale:e} is beyond the range of 32-bit numbers"
         ));
     }
+    if first_bound + bounds.majorants.len() > i32::MAX as usize {
+        return Err("its grid has too many voxels".into());
+    }
+    tables.majorants.extend_from_slice(&bounds.majorants);
     if first == 0 {
         tables.samples = values;
     } else {
@@ -143,7 +145,15 @@ pub(super) fn append(
         dims,
         samples: first as u32,
         majorants: first_bound as u32,
+        edge: bounds.edge,
     })
+}
+
+/// The edge of a cube as large as a voxel \[length\].
+fn voxel_edge(world_to_grid: &Affine) -> f64 {
+    let [x, y, z] =
+        world_to_grid.map(|[a, b, c, _]| DVec3::new(f64::from(a), f64::from(b), f64::from(c)));
+    libm::cbrt(x.dot(y.cross(z)).abs()).recip().min(f64::MAX)
 }
 
 /// The dimensions of a grid with a rim of one sample, if memory has room for it.

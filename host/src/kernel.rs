@@ -1,0 +1,346 @@
+//! Which kernel renders a world: the parameters of the innermost loops, decided once.
+
+use woodcock_core::medium::Controlled;
+use woodcock_core::path::{
+    Atlas, Counts, Geometry, MediumRecord, OneGrid, OneHomogeneous, PathSample, RecordKind, Scene,
+    Shining, Tapped,
+};
+use woodcock_packet::lanes::Lanes;
+use woodcock_packet::trace::{self, PathRequest};
+
+use crate::render::{Kernel, Plan, Requests};
+use crate::world::{Feature, Location, World};
+
+/// Something to be done with the kernel of a world: Rust has no generic closures.
+trait Job {
+    type Output;
+    fn run<M, G, const CHROMATIC: bool, const RAYLEIGH: bool>(
+        self,
+        scene: &Scene<'_, M, G>,
+    ) -> Self::Output
+    where
+        M: AnyMedium,
+        G: Geometry<f32> + Geometry<Lanes> + Sync + ?Sized;
+}
+
+/// A medium for both widths.
+trait AnyMedium: Tapped<f32> + Controlled<f32> + Tapped<Lanes> + Controlled<Lanes> + Sync {}
+impl<M> AnyMedium for M where
+    M: Tapped<f32> + Controlled<f32> + Tapped<Lanes> + Controlled<Lanes> + Sync
+{
+}
+
+/// Geometry for both widths, behind one pointer: a call a ray, not a call a step.
+trait AnyGeometry: Geometry<f32> + Geometry<Lanes> + Sync {}
+impl<G: Geometry<f32> + Geometry<Lanes> + Sync> AnyGeometry for G {}
+
+/// A ray that meets nothing.
+#[derive(Debug)]
+struct Nothing;
+
+impl<R: woodcock_core::real::Real> Geometry<R> for Nothing {
+    fn overlaps(&self) -> bool {
+        false
+    }
+    fn stretch(
+        &self,
+        _: &woodcock_core::ray::Ray<R>,
+        _: R::Word,
+        _: R::Mask,
+    ) -> woodcock_core::path::Stretch<R> {
+        use woodcock_core::real::{Mask, Word};
+        woodcock_core::path::Stretch {
+            interval: woodcock_core::ray::Interval {
+                t0: R::zero(),
+                t1: R::zero(),
+            },
+            medium: R::Word::splat(0),
+            found: R::Mask::splat(false),
+        }
+    }
+}
+
+/// The medium that a world's kernel is made for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    Homogeneous,
+    Grid,
+    Several,
+}
+
+fn kind(world: &World) -> Kind {
+    match world.media.as_slice() {
+        // Of several media none shines in packets.
+        [_] if world.source.is_some() => Kind::Grid,
+        _ if world.needs.runs(Feature::SeveralMedia) => Kind::Several,
+        [medium] => match medium.record.kind {
+            RecordKind::Homogeneous if !world.needs.runs(Feature::Tracking) => Kind::Homogeneous,
+            RecordKind::Homogeneous => Kind::Several,
+            RecordKind::Grid { .. } => Kind::Grid,
+        },
+        [] => Kind::Homogeneous,
+        _ => Kind::Several,
+    }
+}
+
+/// The name of the kernel that runs, for `explain` and the statistics.
+pub fn kernel_name(world: &World, kernel: Kernel) -> String {
+    if !world.is_plain() {
+        return "scalar: surfaces, lights and media of all kinds".to_owned();
+    }
+    let medium = match kind(world) {
+        Kind::Homogeneous => "homogeneous",
+        Kind::Grid => "grid",
+        Kind::Several => "several media",
+    };
+    let colour = if world.needs.runs(Feature::Chromatic) {
+        "chromatic"
+    } else {
+        "grey"
+    };
+    format!("{}: {medium}, {colour}", kernel.name())
+}
+
+/// Runs a job with the kernel of a world.
+///
+/// * `colour`: the one whose grey path is traced, where colours have paths of their own.
+fn with_kernel<J: Job>(world: &World, plan: &Plan, colour: Option<usize>, job: J) -> J::Output {
+    let geometry: &dyn AnyGeometry = match &world.place {
+        Location::Nowhere => &Nothing,
+        Location::Convex(convex) => convex,
+        Location::Boundaries(boundaries) => boundaries,
+    };
+    let chromatic = world.needs.runs(Feature::Chromatic) && colour.is_none();
+    let one = |record: &MediumRecord| colour.map_or(*record, |c| record.of_colour(c));
+    let rayleigh = world.needs.runs(Feature::Rayleigh);
+    match kind(world) {
+        Kind::Homogeneous => {
+            let vacuum = || MediumRecord {
+                kind: RecordKind::Homogeneous,
+                scale: 0.0,
+                colour: [1.0; 3],
+                albedo: [0.0; 3],
+                g: 0.0,
+                rayleigh: false,
+            };
+            let record = world.media.first().map_or_else(vacuum, |m| one(&m.record));
+            let medium = OneHomogeneous::new(&record);
+            pick(world, plan, &medium, geometry, chromatic, rayleigh, job)
+        }
+        Kind::Grid => {
+            let record = &world.media[0].record;
+            let medium = OneGrid::new(&one(record), &world.tables.samples, &world.tables.majorants);
+            match &world.source {
+                None => pick(world, plan, &medium, geometry, chromatic, rayleigh, job),
+                Some(source) => {
+                    let mut source = source.as_source();
+                    if let Some(c) = colour {
+                        // Absorption relative to this colour's own extinction; without any there is no light either.
+                        let own = record.colour[c];
+                        let share = if own > 0.0 { 1.0 / own } else { 0.0 };
+                        source.absorbed = source.absorbed.map(|a| a * share);
+                    }
+                    let medium = Shining { medium, source };
+                    pick(world, plan, &medium, geometry, chromatic, true, job)
+                }
+            }
+        }
+        Kind::Several => {
+            let words = |m: &crate::world::Medium| one(&m.record).to_words();
+            let of_colour: Vec<u32> = match colour {
+                Some(_) => world.media.iter().flat_map(words).collect(),
+                None => Vec::new(),
+            };
+            let medium = Atlas {
+                records: if colour.is_some() {
+                    &of_colour
+                } else {
+                    &world.records
+                },
+                samples: &world.tables.samples,
+                majorants: &world.tables.majorants,
+            };
+            // Rare enough that Rayleigh's branch need not be compiled away.
+            pick(world, plan, &medium, geometry, chromatic, true, job)
+        }
+    }
+}
+
+fn pick<M, J: Job>(
+    world: &World,
+    plan: &Plan,
+    medium: &M,
+    geometry: &dyn AnyGeometry,
+    chromatic: bool,
+    rayleigh: bool,
+    job: J,
+) -> J::Output
+where
+    M: AnyMedium,
+{
+    let scene = Scene {
+        medium,
+        geometry,
+        lights: world.lights(),
+        camera: &world.camera,
+        settings: plan.settings,
+    };
+    match (chromatic, rayleigh) {
+        (false, false) => job.run::<_, _, false, false>(&scene),
+        (false, true) => job.run::<_, _, false, true>(&scene),
+        (true, _) => job.run::<_, _, true, true>(&scene),
+    }
+}
+
+/// Paths through a world, into a table.
+struct Trace<'a, 'r> {
+    plan: &'a Plan,
+    absorbs: bool,
+    requests: &'a Requests<'r>,
+    /// Of all random numbers; in place of the requests' own.
+    seed: u64,
+    land: &'a mut dyn FnMut(usize, PathSample),
+}
+
+impl Job for Trace<'_, '_> {
+    type Output = Counts;
+    fn run<M, G, const CHROMATIC: bool, const RAYLEIGH: bool>(
+        self,
+        scene: &Scene<'_, M, G>,
+    ) -> Counts
+    where
+        M: AnyMedium,
+        G: Geometry<f32> + Geometry<Lanes> + Sync + ?Sized,
+    {
+        let seed = self.seed;
+        let requests = self.requests.iter().map(|mut request| {
+            request.key.seed = seed;
+            request
+        });
+        match (self.plan.kernel, self.absorbs) {
+            (Kernel::Packet, false) => {
+                trace::trace::<M, G, CHROMATIC, RAYLEIGH>(scene, requests, self.land)
+            }
+            (Kernel::Packet, true) => trace::absorb::<M, G, CHROMATIC>(scene, requests, self.land),
+            (Kernel::Scalar, absorbs) => {
+                let mut counts = Counts::default();
+                for (index, request) in requests.enumerate() {
+                    let path = trace_one::<M, G, CHROMATIC, RAYLEIGH>(
+                        scene,
+                        absorbs,
+                        request,
+                        &mut counts,
+                    );
+                    (self.land)(index, path);
+                }
+                counts
+            }
+        }
+    }
+}
+
+/// One path in scalar code.
+fn trace_one<M, G, const CHROMATIC: bool, const RAYLEIGH: bool>(
+    scene: &Scene<'_, M, G>,
+    absorbs: bool,
+    request: PathRequest,
+    counts: &mut Counts,
+) -> PathSample
+where
+    M: AnyMedium,
+    G: Geometry<f32> + ?Sized,
+{
+    if absorbs {
+        trace::absorb_scalar::<M, G, CHROMATIC>(scene, request, counts)
+    } else {
+        trace::trace_scalar::<M, G, CHROMATIC, RAYLEIGH>(scene, request, counts)
+    }
+}
+
+/// The seed of a colour's own paths.
+fn seed_of(seed: u64, colour: usize) -> u64 {
+    const APART: [u64; 3] = [0, 0x3c6e_f372_fe94_f82b, 0xa54f_f53a_5f1d_36f1];
+    seed ^ APART[colour]
+}
+
+/// Adds what the grey path of one colour brings to the sample of all.
+fn add_colour(sample: &mut PathSample, colour: usize, path: &PathSample) {
+    sample.radiance[colour] = path.radiance[colour];
+    sample.alpha += path.alpha * (1.0 / 3.0);
+}
+
+/// Traces the requested paths; their samples land at their places, which hold nothing yet.
+pub(crate) fn trace(
+    world: &World,
+    plan: &Plan,
+    requests: &Requests<'_>,
+    paths: &mut [PathSample],
+) -> Counts {
+    let absorbs = plan.absorbs(world);
+    let mut counts = Counts::default();
+    if !world.needs.colours_apart() {
+        let land = &mut |index: usize, path| paths[index] = path;
+        let seed = plan.seed;
+        let job = Trace {
+            plan,
+            absorbs,
+            requests,
+            seed,
+            land,
+        };
+        return with_kernel(world, plan, None, job);
+    }
+    for colour in 0..3 {
+        let land = &mut |index: usize, path| add_colour(&mut paths[index], colour, &path);
+        let seed = seed_of(plan.seed, colour);
+        let job = Trace {
+            plan,
+            absorbs,
+            requests,
+            seed,
+            land,
+        };
+        counts.add(&with_kernel(world, plan, Some(colour), job));
+    }
+    counts
+}
+
+/// One path, again.
+struct Replay {
+    absorbs: bool,
+    request: PathRequest,
+}
+
+impl Job for Replay {
+    type Output = (PathSample, Counts);
+    fn run<M, G, const CHROMATIC: bool, const RAYLEIGH: bool>(
+        self,
+        scene: &Scene<'_, M, G>,
+    ) -> Self::Output
+    where
+        M: AnyMedium,
+        G: Geometry<f32> + Geometry<Lanes> + Sync + ?Sized,
+    {
+        let mut counts = Counts::default();
+        let path =
+            trace_one::<M, G, CHROMATIC, RAYLEIGH>(scene, self.absorbs, self.request, &mut counts);
+        (path, counts)
+    }
+}
+
+/// Traces one path in scalar code: what it brings, and what it met.
+pub(crate) fn replay(world: &World, plan: &Plan, request: PathRequest) -> (PathSample, Counts) {
+    let absorbs = plan.absorbs(world);
+    if !world.needs.colours_apart() {
+        return with_kernel(world, plan, None, Replay { absorbs, request });
+    }
+    let mut all = (PathSample::default(), Counts::default());
+    for colour in 0..3 {
+        let mut request = request;
+        request.key.seed = seed_of(plan.seed, colour);
+        let (path, counts) = with_kernel(world, plan, Some(colour), Replay { absorbs, request });
+        add_colour(&mut all.0, colour, &path);
+        all.1.add(&counts);
+    }
+    all
+}
