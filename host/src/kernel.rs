@@ -85,6 +85,9 @@ fn kind(world: &World) -> Kind {
 
 /// The name of the kernel that runs, for `explain` and the statistics.
 pub fn kernel_name(world: &World, kernel: Kernel) -> String {
+    if world.room.is_some() && !world.needs.runs(Feature::DetailedSurfaces) {
+        return format!("{}: a room, met piece by piece", kernel.name());
+    }
     if !world.is_plain() {
         return "scalar: surfaces, lights and media of all kinds".to_owned();
     }
@@ -93,7 +96,9 @@ pub fn kernel_name(world: &World, kernel: Kernel) -> String {
         Kind::Grid => "grid",
         Kind::Several => "several media",
     };
-    let colour = if world.needs.runs(Feature::Chromatic) {
+    let colour = if world.needs.colours_apart() {
+        "grey, colours apart"
+    } else if world.needs.runs(Feature::Chromatic) {
         "chromatic"
     } else {
         "grey"

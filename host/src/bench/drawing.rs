@@ -10,7 +10,7 @@ const PANEL: u32 = 440;
 /// Of the legend below a panel: one line of it.
 const LINE: u32 = 24;
 
-/// Colours that stay apart in print and for most colour-blind eyes [Okabe, Ito 2008].
+/// Colours that stay apart in print and for most colour-blind eyes.
 const COLOURS: [RGBColor; 8] = [
     RGBColor(0, 0, 0),
     RGBColor(230, 159, 0),
@@ -99,6 +99,7 @@ where
     chart
         .configure_mesh()
         .light_line_style(WHITE)
+        .x_labels(6)
         .x_desc("CPU seconds")
         .y_desc("relMSE")
         .label_style(("sans-serif", 12))
@@ -124,7 +125,7 @@ where
                     .draw(&Circle::new(at, 1, colour.filled()))?;
             }
         }
-        for (seconds, error) in points {
+        for (seconds, error) in points.iter().filter(|p| p.1.radius.is_finite()) {
             let low = (error.value - error.radius).max(errors.start);
             let high = (error.value + error.radius).min(errors.end);
             let bar = [(*seconds, low), (*seconds, high)];

@@ -254,13 +254,23 @@ impl Bench<'_> {
             .collect();
         let mut skipped = 0;
         for budget in 0..budgets {
+            // What does not fit any more is left out with all its seeds, unless there would be no line at all.
+            let elapsed = start.elapsed().as_secs_f64();
+            let fits = |index: usize, contestant: &Contestant| {
+                let samples = f64::from(least[index].saturating_mul(1 << budget));
+                let end = elapsed + contestant.pace * samples * f64::from(seeds);
+                budget < 3 || end < 1.2 * seconds
+            };
+            let fit: Vec<bool> = contestants
+                .iter()
+                .enumerate()
+                .map(|(index, contestant)| fits(index, contestant))
+                .collect();
+            skipped += seeds as usize * fit.iter().filter(|fit| !**fit).count();
             for seed in 0..seeds {
                 for (index, contestant) in contestants.iter().enumerate() {
                     let samples = least[index].saturating_mul(1 << budget);
-                    // What does not fit any more is left out, unless there would be no line at all.
-                    let end = start.elapsed().as_secs_f64() + contestant.pace * f64::from(samples);
-                    if budget > 2 && end > 1.2 * seconds {
-                        skipped += 1;
+                    if !fit[index] {
                         continue;
                     }
                     let number = u64::from(budget) * u64::from(seeds) + u64::from(seed) + 1;

@@ -12,7 +12,31 @@ pub fn missing_features() -> Option<&'static str> {
              rebuild it with RUSTFLAGS=\"-Ctarget-cpu=x86-64\" (same images, fewer lanes per instruction)",
         );
     }
+    #[cfg(all(target_arch = "x86_64", target_feature = "avx512f"))]
+    if !has_x86_64_v4() {
+        return Some(
+            "this binary was built for CPUs with AVX-512 (x86-64-v4), which this CPU or its operating system lacks; \
+             rebuild it without RUSTFLAGS, for AVX2 (same images)",
+        );
+    }
     None
+}
+
+#[cfg(all(target_arch = "x86_64", target_feature = "avx2"))]
+fn all(register: u32, bits: &[u32]) -> bool {
+    bits.iter().all(|bit| (register >> bit) & 1 == 1)
+}
+
+/// Whether the system saves a part of the registers, by its number in XCR0.
+///
+/// XGETBV, which says so, is not callable without `unsafe`. Leaf 13 tells the same: EBX of subleaf 0 is the size of the save
+/// area for what the system enabled, and a part (its subleaf: size EAX, offset EBX) lies within it only if that is enabled.
+#[cfg(all(target_arch = "x86_64", target_feature = "avx2"))]
+fn saves(part: u32) -> bool {
+    use std::arch::x86_64::__cpuid_count;
+    let enabled = __cpuid_count(13, 0).ebx;
+    let part = __cpuid_count(13, part);
+    part.eax > 0 && enabled >= part.ebx + part.eax
 }
 
 /// The bits that x86-64-v3 adds to what every 64-bit CPU of the last decade has [Intel SDM vol. 2, CPUID].
@@ -20,7 +44,6 @@ pub fn missing_features() -> Option<&'static str> {
 #[inline(never)]
 fn has_x86_64_v3() -> bool {
     use std::arch::x86_64::{__cpuid, __cpuid_count};
-    let all = |register: u32, bits: &[u32]| bits.iter().all(|bit| (register >> bit) & 1 == 1);
     if __cpuid(0).eax < 13 || __cpuid(0x8000_0000).eax < 0x8000_0001 {
         return false;
     }
@@ -29,12 +52,16 @@ fn has_x86_64_v3() -> bool {
     let instructions = all(__cpuid(1).ecx, &[12, 22, 23, 27, 28, 29])
         && all(__cpuid_count(7, 0).ebx, &[3, 5, 8])
         && all(__cpuid(0x8000_0001).ecx, &[5]);
-    // XGETBV, which says whether the system saves the wide registers, is not callable without `unsafe`. Leaf 13 tells the same:
-    // EBX of subleaf 0 is the size of the save area for what the system enabled, and the
-    // AVX part (subleaf 2: size EAX, offset EBX) lies within it only if that is enabled.
-    let enabled = __cpuid_count(13, 0).ebx;
-    let avx = __cpuid_count(13, 2);
-    instructions && avx.eax > 0 && enabled >= avx.ebx + avx.eax
+    instructions && saves(2)
+}
+
+/// The bits that x86-64-v4 adds to x86-64-v3: leaf 7 EBX AVX512F 16, DQ 17, CD 28, BW 30, VL 31; opmasks (5) and both parts of the
+/// widest registers (6, 7) saved.
+#[cfg(all(target_arch = "x86_64", target_feature = "avx512f"))]
+#[inline(never)]
+fn has_x86_64_v4() -> bool {
+    use std::arch::x86_64::__cpuid_count;
+    all(__cpuid_count(7, 0).ebx, &[16, 17, 28, 30, 31]) && [5, 6, 7].into_iter().all(saves)
 }
 
 #[cfg(test)]

@@ -388,12 +388,12 @@ fn scalar_needed(
         n => format!("{n} lights at points or with pictures"),
     };
     needs.decide(Feature::LocalLights, local > 0, &[], reason);
-    let shining = media.iter().filter(|medium| medium.is_emissive()).count();
-    let reason = match shining {
+    let glowing = media.iter().filter(|medium| medium.is_emissive()).count();
+    let reason = match glowing {
         0 => "no medium shines".to_owned(),
         n => format!("{n} media shine"),
     };
-    needs.decide(Feature::Emission, shining > 0, &[], reason);
+    needs.decide(Feature::Emission, glowing > 0, &[], reason);
     let beyond_packets = |medium: &&Medium| !medium.is_plain() && !lit_in_packets;
     let detailed = media.iter().filter(beyond_packets).count();
     let mixed = overlaps && needs.runs(Feature::Chromatic);
@@ -427,7 +427,12 @@ fn path_needed(
     needs: &mut Needs,
 ) {
     if !needs.in_packets() {
-        let reason = "the scalar integrators";
+        let apart = needs.runs(Feature::DetailedSurfaces) || !needs.runs(Feature::Surfaces);
+        let reason = if apart {
+            "the scalar integrators"
+        } else {
+            "a room's paths"
+        };
         for feature in [
             Feature::Scattering,
             Feature::FreePassage,
@@ -436,7 +441,6 @@ fn path_needed(
         ] {
             needs.decide(feature, true, keep, reason);
         }
-        let apart = needs.runs(Feature::DetailedSurfaces) || !needs.runs(Feature::Surfaces);
         let reason = if apart { reason } else { SHARED };
         needs.decide(Feature::IndependentSamples, apart, keep, reason);
         return;

@@ -7,9 +7,12 @@ use std::process::{Command, Output};
 use tempfile::TempDir;
 use woodcock_host::image::{Image, exr};
 
+mod bench;
 mod compare;
 mod failures;
 mod info;
+#[cfg(all(target_arch = "x86_64", target_os = "linux"))]
+mod levels;
 mod renders;
 #[cfg(unix)]
 mod signals;

@@ -1,30 +1,32 @@
 //! Do intervals from the film's mean and variance cover the truth as often as they say, and does `--target-error` keep its promise?
 //!
-//! A thousand small pictures with different seeds, each of two blocks of 8 × 8 pixels: thin fog in the sun, where light is rare, and
-//! haze. The interval is that of a block's mean: 1.96 standard errors about it. The truth is the mean of as many pictures of
-//! other seeds whose counts of samples nobody chose. Coverage is judged by the binomial law at [`ALPHA`](woodcock_tests::stats::ALPHA).
+//! A thousand small pictures with different seeds, each of two blocks of 8 × 8 pixels: rare light, whose truth is known, and thin fog
+//! and haze in the sun, whose truth is the mean of as many pictures of other seeds and fixed numbers of samples. The interval is that
+//! of a block's mean: 1.96 standard errors about it. Coverage is judged by the binomial law at [`ALPHA`](woodcock_tests::stats::ALPHA).
 //!
 //! The mutants: to stop when the samples themselves look good; and to take samples for independent that are not.
 
 use rayon::prelude::*;
+use std::ops::Range;
 use woodcock_core::path::PathSample;
+use woodcock_core::stream::{Key, PathStream, Stream};
 use woodcock_host::drive::{Silent, Watch};
-use woodcock_host::film::{Film, Landing, Place, Window};
+use woodcock_host::film::{Allotment, Film, Landing, Place, Places, Window};
 use woodcock_host::pilot::{self, Target};
-use woodcock_host::render::{Plan, render_allotted, render_pass};
+use woodcock_host::render::{Plan, render_allotted};
 use woodcock_tests::pictures::{
     Studio, ball, grey, homogeneous, orthographic, scene, sky, stage, sun,
 };
 use woodcock_tests::stats::{Z_CRITICAL, samples, seed};
 
 const RENDERS: usize = 1024;
-const ERROR: f64 = 0.3;
+const SIZE: [u32; 2] = [16, 8];
 const NOMINAL: f64 = 0.95;
 /// The two-sided normal quantile of it.
 const DEVIATES: f64 = 1.959_964;
 
 /// Two balls side by side, one for each block.
-fn studio(replicate: u32) -> Studio {
+fn studio() -> Studio {
     let camera = orthographic([0.0, 0.0, -5.0], [0.0, 0.0, 1.0], 1.0);
     let world = sky(0.05)
         + &sun([0.0, 1.0, -1.0], [2.0; 3])
@@ -36,12 +38,10 @@ fn studio(replicate: u32) -> Studio {
         + &ball("haze", "", [0.0; 3], 0.95)
         + "AttributeEnd\n";
     let wide = camera.replace("[ -1 1 -1 1 ]", "[ -2 2 -1 1 ]");
-    let mut studio = stage(&scene(&wide, [16, 8], &world));
-    studio.plan.replicate = replicate;
-    studio
+    stage(&scene(&wide, SIZE, &world))
 }
 
-/// Mean and variance of a block's mean of green, and the mean over its pixels of the error that a target is about, squared.
+/// A block's mean of green, and the variance of that.
 #[derive(Clone, Copy, Debug, Default)]
 struct Block {
     mean: f64,
@@ -59,17 +59,71 @@ fn blocks(film: &Film) -> [Block; 2] {
     blocks
 }
 
-fn seeded(studio: &Studio, number: usize, family: u64) -> Plan {
-    Plan {
-        seed: seed((family << 32) + number as u64),
-        ..studio.plan
+/// Something that adds samples of a seed to a film.
+trait Source: Sync {
+    fn pass(&self, film: &mut Film, seed: u64, samples: Range<u32>, allotment: Option<&Allotment>);
+}
+
+impl Source for Studio {
+    fn pass(&self, film: &mut Film, seed: u64, samples: Range<u32>, allotment: Option<&Allotment>) {
+        let plan = Plan {
+            seed,
+            replicate: film.replicate(),
+            ..self.plan
+        };
+        render_allotted(&self.world, &plan, film, samples, allotment, &Silent);
     }
 }
 
+/// Light of mean 1 that is there with a probability for each block, and else black.
+struct RareLight([f32; 2]);
+
+impl RareLight {
+    fn truth(&self) -> Truth {
+        let relative = |p: f32| f64::from((1.0 - p) / p) / 1.01;
+        Truth {
+            means: [1.0; 2],
+            relative: self.0.map(relative),
+        }
+    }
+}
+
+impl Source for RareLight {
+    fn pass(&self, film: &mut Film, seed: u64, samples: Range<u32>, allotment: Option<&Allotment>) {
+        for tile in film.tiles_mut() {
+            let mut landing = Landing::default();
+            let places = Places::new(tile.window(), samples.clone(), allotment);
+            for place in (0..places.len()).map(|number| places.place(number)) {
+                let key = Key {
+                    seed,
+                    pixel: place.y * SIZE[0] + place.x,
+                    sample: place.sample,
+                };
+                let uniform: f32 = PathStream::new(key).uniform(true);
+                let chance = self.0[usize::from(place.x >= 8)];
+                let value = if uniform < chance { 1.0 / chance } else { 0.0 };
+                let path = PathSample {
+                    radiance: [value; 3],
+                    alpha: 1.0,
+                };
+                landing.land(tile, place, path);
+            }
+        }
+    }
+}
+
+fn seed_of(number: usize, family: u64) -> u64 {
+    seed((family << 32) + number as u64)
+}
+
+fn empty(replicate: u32) -> Film {
+    Film::of_replicates(SIZE, Window::full(SIZE), replicate)
+}
+
 /// A picture of a fixed number of samples.
-fn fixed(studio: &Studio, plan: &Plan, n: u32) -> Film {
-    let mut film = plan.film(&studio.world);
-    render_pass(&studio.world, plan, &mut film, 0..n, &Silent);
+fn fixed(source: &dyn Source, replicate: u32, seed: u64, n: u32) -> Film {
+    let mut film = empty(replicate);
+    source.pass(&mut film, seed, 0..n, None);
     film
 }
 
@@ -80,50 +134,43 @@ const STILL: Watch<'static> = Watch {
 };
 
 /// A picture as `--target-error` makes it, and the counts of its two blocks.
-fn adaptive(studio: &Studio, plan: &Plan, error: f64) -> (Film, [u32; 2]) {
+fn adaptive(source: &dyn Source, replicate: u32, seed: u64, error: f64) -> (Film, [u32; 2]) {
     let target = Target {
         error,
         most: None,
         uniform: false,
         time: None,
     };
-    let pilot_plan = Plan {
-        seed: pilot::seed(plan.seed),
-        ..*plan
-    };
-    let world = &studio.world;
-    let mut film = plan.film(world);
+    let mut film = empty(replicate);
     let decision = pilot::run(&mut film, &target, STILL, |film, samples| {
-        render_pass(world, &pilot_plan, film, samples, &Silent);
+        source.pass(film, pilot::seed(seed), samples, None);
         Ok::<_, std::convert::Infallible>(())
     });
     let decision = decision.unwrap_or_else(|never| match never {});
     assert!(decision.enough);
     let allotment = &decision.allotment;
-    let mut film = plan.film(world);
-    let all = 0..allotment.largest();
-    render_allotted(world, plan, &mut film, all, Some(allotment), &Silent);
+    let mut film = empty(replicate);
+    source.pass(&mut film, seed, 0..allotment.largest(), Some(allotment));
     (film, [0, 8].map(|x| allotment.samples(x, 0)))
 }
 
-/// The planted mistake: samples until they say themselves that the error is reached.
-fn until_it_looks_good(studio: &Studio, plan: &Plan, error: f64) -> Film {
-    let world = &studio.world;
-    let mut film = plan.film(world);
-    let step = plan.replicate.max(2);
+/// The planted mistake: samples until they say themselves that the error of a block is reached.
+fn until_it_looks_good(source: &dyn Source, seed: u64, error: f64) -> [Block; 2] {
+    let mut film = empty(1);
+    let mut stopped = [None; 2];
     for pass in 0.. {
-        render_pass(
-            world,
-            plan,
-            &mut film,
-            pass * step..(pass + 1) * step,
-            &Silent,
-        );
-        if pass > 0 && film.relative_error().is_some_and(|e| e <= error) {
-            break;
+        source.pass(&mut film, seed, 2 * pass..2 * pass + 2, None);
+        for (done, block) in stopped.iter_mut().zip(blocks(&film)) {
+            // Of the mean pixel; its variance is 64 times that of the block's mean.
+            if done.is_none() && 64.0 * block.variance <= (error * block.mean).powi(2) {
+                *done = Some(block);
+            }
+        }
+        if let [Some(left), Some(right)] = stopped {
+            return [left, right];
         }
     }
-    film
+    [Block::default(); 2]
 }
 
 /// In how many of the pictures the interval of a block covers the truth, and of how many.
@@ -144,28 +191,24 @@ fn deviate((covered, all): (u32, u32)) -> f64 {
     (f64::from(covered) - NOMINAL * all) / (NOMINAL * (1.0 - NOMINAL) * all).sqrt()
 }
 
-#[test]
-fn intervals_cover_as_often_as_they_say_and_targets_are_kept() {
-    let renders = samples(RENDERS);
-    let reference = studio(1);
-    // Four times the samples of any picture below, so that the truth's own error is 1/2000 of theirs, squared.
-    let long: Vec<_> = (0..renders)
+/// What is known of a source: the means of the blocks, and the relative variance of a sample as the target's error has it.
+#[derive(Clone, Copy, Debug)]
+struct Truth {
+    means: [f64; 2],
+    relative: [f64; 2],
+}
+
+/// The truth of a scene by long renders: so many samples that its own error is nothing beside that of the pictures.
+fn measured(source: &dyn Source, renders: usize) -> Truth {
+    let sums: Vec<[f64; 6]> = (0..renders)
         .into_par_iter()
-        .map(|i| fixed(&reference, &seeded(&reference, i, 9), 256))
-        .map(|film| {
-            let window = film.window();
-            let mut pixels = vec![[0.0; 6]; window.pixels() as usize];
+        .map(|i| {
+            let film = fixed(source, 1, seed_of(i, 9), 256);
+            let mut pixels = vec![[0.0; 6]; film.window().pixels() as usize];
             for (x, y, pixel) in film.pixels() {
-                let variance = pixel.variance_of_mean().expect("many samples");
-                let (m, n) = (pixel.mean(), f64::from(pixel.samples()));
-                pixels[window.index(x, y)] = [
-                    m[0],
-                    m[1],
-                    m[2],
-                    n * variance[0],
-                    n * variance[1],
-                    n * variance[2],
-                ];
+                let [vr, vg, vb] = pixel.variance_of_mean().expect("many samples");
+                let ([r, g, b], n) = (pixel.mean(), f64::from(pixel.samples()));
+                pixels[film.window().index(x, y)] = [r, g, b, n * vr, n * vg, n * vb];
             }
             pixels
         })
@@ -175,77 +218,115 @@ fn intervals_cover_as_often_as_they_say_and_targets_are_kept() {
             }
             a
         })
-        .expect("pictures")
-        .iter()
-        .map(|sums| sums.map(|s| s / renders as f64))
-        .collect();
-    let in_block = |at: usize| usize::from(at % 16 >= 8);
-    let mean = long.iter().flat_map(|p| &p[..3]).sum::<f64>() / (3.0 * long.len() as f64);
-    let mut truth = [0.0; 2];
-    let mut needed = [0.0; 2];
-    for (at, p) in long.iter().enumerate() {
-        truth[in_block(at)] += p[1] / 64.0;
+        .expect("pictures");
+    let pixels: Vec<_> = sums.iter().map(|p| p.map(|s| s / renders as f64)).collect();
+    let all = pixels.iter().flat_map(|p| &p[..3]).sum::<f64>();
+    let mean = all / (3.0 * pixels.len() as f64);
+    let mut truth = Truth {
+        means: [0.0; 2],
+        relative: [0.0; 2],
+    };
+    for (at, p) in pixels.iter().enumerate() {
+        let block = usize::from(at % SIZE[0] as usize >= 8);
+        truth.means[block] += p[1] / 64.0;
         for c in 0..3 {
-            let relative = p[3 + c] / (p[c] * p[c] + 0.01 * mean * mean);
-            needed[in_block(at)] += relative / (192.0 * ERROR * ERROR);
+            truth.relative[block] += p[3 + c] / (p[c] * p[c] + 0.01 * mean * mean) / 192.0;
         }
     }
-    assert!(
-        needed[0] > 2.0 * needed[1],
-        "the blocks are to differ: {needed:?}"
-    );
+    truth
+}
 
+/// Asserts that intervals cover and that targets are kept, with samples one by one and in replicates.
+fn assert_honest(name: &str, source: &dyn Source, truth: Truth, error: f64) {
+    let renders = samples(RENDERS);
     for replicate in [1, 16] {
-        let studio = studio(replicate);
-        let fixed: Vec<_> = (0..renders)
+        let plain: Vec<_> = (0..renders)
             .into_par_iter()
-            .map(|i| blocks(&fixed(&studio, &seeded(&studio, i, 1), 128)))
+            .map(|i| blocks(&fixed(source, replicate, seed_of(i, 1), 128)))
             .collect();
-        let z = deviate(coverage(truth, &fixed));
+        let z = deviate(coverage(truth.means, &plain));
+        eprintln!("{name}, replicates of {replicate}: fixed z = {z:.2}");
         assert!(
             z.abs() < Z_CRITICAL,
-            "fixed, replicates of {replicate}: {z}"
+            "{name}, fixed, replicates of {replicate}: {z}"
         );
 
         let found: Vec<_> = (0..renders)
             .into_par_iter()
             .map(|i| {
-                let (film, counts) = adaptive(&studio, &seeded(&studio, i, 2), ERROR);
+                let (film, counts) = adaptive(source, replicate, seed_of(i, 2), error);
                 (blocks(&film), counts)
             })
             .collect();
         let pictures: Vec<_> = found.iter().map(|(blocks, _)| *blocks).collect();
-        let z = deviate(coverage(truth, &pictures));
+        let z = deviate(coverage(truth.means, &pictures));
+        eprintln!("{name}, replicates of {replicate}: adaptive z = {z:.2}");
         assert!(
             z.abs() < Z_CRITICAL,
-            "adaptive, replicates of {replicate}: {z}"
+            "{name}, adaptive, replicates of {replicate}: {z}"
         );
         // The promise: a block's true error exceeds the target in one of twenty pictures at most.
-        let broken = |block: usize| {
-            let short = |counts: &[u32; 2]| f64::from(counts[block]) < needed[block];
-            found.iter().filter(|(_, counts)| short(counts)).count() as u32
-        };
-        let all = renders as u32;
         for block in 0..2 {
-            let kept = (all - broken(block), all);
-            let mean = found.iter().map(|(_, c)| f64::from(c[block])).sum::<f64>() / f64::from(all);
-            eprintln!(
-                "replicates of {replicate}, block {block}: kept {kept:?}, {mean} of {}",
-                needed[block]
+            let needed = truth.relative[block] / (error * error);
+            let counts = || found.iter().map(|(_, counts)| f64::from(counts[block]));
+            let kept = (
+                counts().filter(|&n| n >= needed).count() as u32,
+                renders as u32,
             );
-            assert!(deviate(kept) > -Z_CRITICAL, "block {block}: {kept:?}");
+            let mean = counts().sum::<f64>() / renders as f64;
+            eprintln!("  block {block}: kept {kept:?}, {mean:.1} samples of {needed:.1}");
+            assert!(
+                deviate(kept) > -Z_CRITICAL,
+                "{name}, block {block}: {kept:?}"
+            );
         }
     }
+}
 
-    // What stops on its own samples covers less often, and this test sees it.
-    let studio = studio(1);
-    let stopped: Vec<_> = (0..renders)
+#[test]
+fn intervals_of_rare_light_cover_and_targets_are_kept() {
+    let light = RareLight([0.02, 0.3]);
+    assert_honest("rare light", &light, light.truth(), 0.5);
+}
+
+#[test]
+fn dark_blocks_do_not_stop_early_and_the_planted_mistake_is_seen() {
+    let light = RareLight([0.002, 0.3]);
+    let truth = light.truth();
+    // Stopping when the samples look good: where no light was seen there is no error, it seems.
+    let stopped: Vec<_> = (0..samples(RENDERS))
         .into_par_iter()
-        .map(|i| blocks(&until_it_looks_good(&studio, &seeded(&studio, i, 3), 0.8)))
+        .map(|i| until_it_looks_good(&light, seed_of(i, 3), 1.0))
         .collect();
-    let z = deviate(coverage(truth, &stopped));
-    eprintln!("stopping on the same samples: z = {z}");
+    let z = deviate(coverage(truth.means, &stopped));
+    eprintln!("stopping on the same samples: z = {z:.1}");
     assert!(z < -2.0 * Z_CRITICAL, "the planted mistake: {z}");
+
+    // The pilot has four events in that block, more or less.
+    let found: Vec<_> = (0..samples(RENDERS / 4))
+        .into_par_iter()
+        .map(|i| {
+            let (film, counts) = adaptive(&light, 1, seed_of(i, 4), 1.0);
+            (blocks(&film), counts)
+        })
+        .collect();
+    let pictures: Vec<_> = found.iter().map(|(blocks, _)| *blocks).collect();
+    let z = deviate(coverage(truth.means, &pictures));
+    let kept = |(_, counts): &&([Block; 2], [u32; 2])| f64::from(counts[0]) >= truth.relative[0];
+    let kept = (found.iter().filter(kept).count() as u32, found.len() as u32);
+    eprintln!("by a pilot: z = {z:.2}, kept {kept:?}");
+    assert!(z.abs() < Z_CRITICAL, "{z}");
+    assert!(deviate(kept) > -Z_CRITICAL, "{kept:?}");
+}
+
+#[test]
+fn intervals_of_paths_cover_and_targets_are_kept() {
+    let studio = studio();
+    let truth = measured(&studio, samples(RENDERS));
+    // An error that takes about 150 samples in the noisier block.
+    let [thin, haze] = truth.relative;
+    assert!(thin.max(haze) > 1.3 * thin.min(haze), "{truth:?}");
+    assert_honest("paths", &studio, truth, (thin.max(haze) / 150.0).sqrt());
 }
 
 /// Uniform numbers in [0, 1) of a stream.
