@@ -128,13 +128,6 @@ impl Work {
     pub const PATHS: usize = RAYS * BUNDLES;
 }
 
-/// Seconds that this thread has run so far, where the system tells: others' work on the machine does not count.
-fn busy_seconds() -> Option<f64> {
-    let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
-    let nanoseconds: u64 = text.split_whitespace().next()?.parse().ok()?;
-    Some(nanoseconds as f64 * 1e-9)
-}
-
 /// Times of several ways to do the same work.
 #[derive(Clone, Debug, Default)]
 pub struct Times(Vec<f64>);
@@ -142,11 +135,9 @@ pub struct Times(Vec<f64>);
 impl Times {
     /// Adds the time of a run, in seconds.
     pub fn time(&mut self, run: impl FnOnce()) {
-        let (start, busy) = (Instant::now(), busy_seconds());
+        let start = Instant::now();
         run();
-        let wall = start.elapsed().as_secs_f64();
-        let busy = busy.zip(busy_seconds()).map(|(from, to)| to - from);
-        self.0.push(busy.unwrap_or(wall));
+        self.0.push(start.elapsed().as_secs_f64());
     }
 
     /// The value below which a fraction of the times lies.
