@@ -14,8 +14,8 @@ mod work;
 pub use boundaries::{Boundaries, Sides};
 pub(crate) use medium::PacketSource;
 pub use medium::{
-    Beyond, BrickTables, CloudDensity, CloudField, Details, Emission, EmissiveVoxel, Field, Local,
-    Medium, PhaseFunction, Support, Tables,
+    Beyond, BrickTables, CloudDensity, CloudField, Details, Emission, EmissiveVoxel, Field, Held,
+    Local, Medium, PhaseFunction, Support, Tables, held,
 };
 pub use needs::{Decision, Feature, Need, Needs};
 pub use work::LIMIT as COLLISION_LIMIT;
