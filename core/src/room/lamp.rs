@@ -290,8 +290,10 @@ impl Lamp {
         let nearest = towards.dot(ray.direction);
         let across = towards - ray.direction * nearest;
         let apart = (across.dot(across) + R::splat(room)).sqrt();
-        // On the ray itself the law would be a point.
-        let apart = apart.max(length * R::splat(1e-4));
+        // On the ray itself the law would be a point. More than the rounding of its place it must not be: where the lamp is
+        // nearer than is said, what arrives has a heavy tail.
+        let least = towards.dot(towards).sqrt() * R::splat(1e-6);
+        let apart = apart.max(least.max(R::splat(f32::MIN_POSITIVE)));
         let begins = from - nearest;
         Some((Nearness::new(begins, begins + length, apart), nearest))
     }

@@ -82,6 +82,7 @@ fn rooms() -> Vec<Exhibit> {
                 &triangle([[-1.6, -1.0, 0.8], [-0.2, -1.0, 1.2], [-0.9, 0.6, 0.9]]),
             )
     };
+    let suns = || point([-0.8, 0.4, -0.5], 1.5) + &sun([1.0, 1.5, -1.0], [1.0, 0.9, 0.8]);
     let outside = || perspective([0.0, 0.9, -4.5], [0.0, -0.2, 1.0], 40.0);
     vec![
         Exhibit::new(
@@ -98,13 +99,20 @@ fn rooms() -> Vec<Exhibit> {
                 + &lamp([3.0, 4.0, 2.0], &corner)
                 + &filled(&grey(0.8, 0.8, -0.5)),
         ),
+        // Near a point paths that are scattered twice have heavy tails, whoever samples them.
         Exhibit::new(
             "open by a point and the sun in haze",
             outside(),
-            open()
-                + &point([-0.8, 0.4, -0.5], 1.5)
-                + &sun([1.0, 1.5, -1.0], [1.0, 0.9, 0.8])
-                + &filled(&grey(0.15, 0.9, 0.7)),
+            suns() + &open() + &filled(&grey(0.15, 0.9, 0.7)),
+        )
+        .limited(1),
+        Exhibit::new(
+            "a ball of haze by a point and the sun",
+            outside(),
+            suns()
+                + &open()
+                + &homogeneous("air", &grey(1.2, 0.9, 0.7))
+                + &ball("air", "", [0.6, 0.3, 0.0], 0.9),
         ),
         Exhibit::new(
             "open under the sky with a lamp of two sides",
