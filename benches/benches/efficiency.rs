@@ -1,7 +1,7 @@
 //! Seconds to a relative mean squared error of one: woodcock against plain analog tracking at full lane width.
 //!
 //! ```text
-//! cargo bench -p woodcock-benches --bench efficiency [-- SCENE...]
+//! cargo bench -p woodcock-benches --bench efficiency [-- SCENE... --rounds=6]
 //! ```
 //!
 //! Every round renders each scene once each way, with a new seed and one thread. Errors are those between rounds; setting
@@ -16,7 +16,7 @@ use woodcock_benches::agreement::{Agreement, LIMIT, average};
 use woodcock_benches::analog::Analog;
 use woodcock_benches::measure::{Cost, EDGE, Way, alone, assemble, assemble_text, compare, render};
 use woodcock_benches::yardstick::{BOX_FOG, NAMES, Yardstick};
-use woodcock_benches::{quick, selected};
+use woodcock_benches::{option, quick, selected};
 use woodcock_host::render::{Kernel, kernel_name};
 
 /// Seeds, each once each way.
@@ -83,7 +83,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (samples, rounds, coarser) = if quick() {
         (3, 3, 4)
     } else {
-        (SAMPLES, ROUNDS, 1)
+        (SAMPLES, option("--rounds", ROUNDS).max(3), 1)
     };
     println!("{rounds} rounds, {samples} samples a pixel, one thread");
     println!(

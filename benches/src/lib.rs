@@ -178,3 +178,9 @@ pub fn selected(name: &str) -> bool {
     let first = names.next();
     first.is_none() || first.into_iter().chain(names).any(|wanted| wanted == name)
 }
+
+/// The number of an option of the command line, `--name=number`.
+pub fn option(name: &str, otherwise: u64) -> u64 {
+    let value = |argument: String| argument.strip_prefix(name)?.strip_prefix('=')?.parse().ok();
+    std::env::args().find_map(value).unwrap_or(otherwise)
+}

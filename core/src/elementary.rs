@@ -13,7 +13,7 @@
 //! | [`neg_ln_1m`] | 0 ≤ u < 1 | ≤ 0.89 ulp |
 //! | [`exp`] | −87.3 ≤ x ≤ 88.7 | ≤ 0.99 ulp |
 //! | [`exp_m1`] | x ≤ 88.7 | ≤ 1.17 ulp |
-//! | [`turn_of`] | y ≥ 0 | 6e-8 absolute, and relative where x > y |
+//! | [`turn_of`] | y ≥ 0 | ≤ 2.9 ulp where x ≥ 0 |
 //! | [`sin_cos_turn`] | −4096 ≤ turn ≤ 4096 | ≤ 1.56 ulp, or 4.7e-8 absolute where the value is below ½ |
 
 use crate::real::{Binary32, Real, Word};

@@ -2,8 +2,8 @@
 
 use woodcock_core::medium::Controlled;
 use woodcock_core::path::{
-    Atlas, Counts, Geometry, MediumRecord, OneGrid, OneHomogeneous, PathSample, RecordKind, Scene,
-    Shining, Tapped,
+    Atlas, Counts, Geometry, MediumRecord, OneHomogeneous, PathSample, RecordKind, Scene, Shining,
+    Tapped,
 };
 use woodcock_packet::lanes::Lanes;
 use woodcock_packet::trace::{self, PathRequest};
@@ -85,6 +85,9 @@ fn kind(world: &World) -> Kind {
 
 /// The name of the kernel that runs, for `explain` and the statistics.
 pub fn kernel_name(world: &World, kernel: Kernel) -> String {
+    if world.room.is_some() && !world.needs.runs(Feature::DetailedSurfaces) {
+        return format!("{}: a room, met piece by piece", kernel.name());
+    }
     if !world.is_plain() {
         return "scalar: surfaces, lights and media of all kinds".to_owned();
     }
@@ -93,7 +96,9 @@ pub fn kernel_name(world: &World, kernel: Kernel) -> String {
         Kind::Grid => "grid",
         Kind::Several => "several media",
     };
-    let colour = if world.needs.runs(Feature::Chromatic) {
+    let colour = if world.needs.colours_apart() {
+        "grey, colours apart"
+    } else if world.needs.runs(Feature::Chromatic) {
         "chromatic"
     } else {
         "grey"
@@ -129,7 +134,7 @@ fn with_kernel<J: Job>(world: &World, plan: &Plan, colour: Option<usize>, job: J
         }
         Kind::Grid => {
             let record = &world.media[0].record;
-            let medium = OneGrid::new(&one(record), &world.tables.samples, &world.tables.majorants);
+            let medium = world.tables.one_grid(&one(record));
             match &world.source {
                 None => pick(world, plan, &medium, geometry, chromatic, rayleigh, job),
                 Some(source) => {

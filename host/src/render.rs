@@ -112,6 +112,13 @@ impl Plan {
     }
 }
 
+impl Plan {
+    /// Whether core's kernel of rooms does it all.
+    pub fn in_room(&self, world: &World) -> bool {
+        integrator::room::of(world, self).is_some()
+    }
+}
+
 /// What a function makes of each number below `count`, in their order, on as many threads as there are.
 pub(crate) fn map_all<T: Send>(count: u32, make: impl Fn(u32) -> T + Send + Sync) -> Vec<T> {
     #[cfg(feature = "rayon")]

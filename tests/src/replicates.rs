@@ -2,7 +2,8 @@
 //!
 //! A light path of the bidirectional integrators lands in any pixel, and a Markov chain visits one after the other: the
 //! variance of a sum of pixels is not the sum of their variances. But samples with different indices are independent,
-//! whatever the integrator. So a *replicate* is one sample of every pixel; the mean of the picture, and of each tile of
+//! whatever the integrator, but where the
+//! points of a plan's replicate depend on each other. So a *replicate* is one sample (or one such group) of every pixel; the mean of the picture, and of each tile of
 //! [`TILE`] × [`TILE`] pixels, is one number of it; and Welch's test compares these numbers, replicate by replicate.
 //!
 //! A comparison makes one test of the whole and one of all tiles together, each at [`ALPHA`]. *Blind to:* errors that cancel
@@ -41,7 +42,7 @@ pub struct Comparison {
 }
 
 impl Replicates {
-    /// Renders `n` replicates, times the environment's factor, and asserts that no path was dropped and no bound exceeded.
+    /// Renders `n` samples a pixel, times the environment's factor, in replicates of the plan's size, and asserts that no path was dropped and no bound exceeded.
     ///
     /// # Panics
     /// When one was.
@@ -56,10 +57,11 @@ impl Replicates {
     /// As [`of`](Self::of).
     #[track_caller]
     pub fn of_part(name: &str, studio: &Studio, n: u32, part: Window) -> Self {
-        let n = samples(n as usize) as u32;
+        let size = studio.plan.replicate;
+        let n = (samples(n as usize) as u32).div_ceil(size);
         let mut replicates = Self::none(part);
         for index in 0..n {
-            let picture = studio.shoot_range(index..index + 1);
+            let picture = studio.shoot_range(index * size..(index + 1) * size);
             picture.assert_sound(name);
             replicates.push(&picture, part);
         }

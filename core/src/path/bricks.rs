@@ -13,7 +13,7 @@
 //! ```
 //!
 //! An analog decision compares v with a number. Where that number lies outside of [low, high) the byte decides as the
-//! sample would, bit for bit (a *squeeze*, [Marsaglia 1977]); the sample itself is read for the rest, some two in a hundred.
+//! sample would, bit for bit (a *squeeze*); the sample itself is read for the rest, some two in a hundred.
 
 use crate::real::{Real, Word};
 

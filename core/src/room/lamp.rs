@@ -36,6 +36,8 @@ pub struct Sheet {
     /// How long they are.
     lengths: [f32; 2],
     normal: [f32; 3],
+    /// Its middle.
+    centre: [f32; 3],
     outline: Outline,
     two_sided: bool,
     area: f32,
@@ -83,12 +85,14 @@ impl Sheet {
         } else {
             Outline::Parallelogram
         };
+        let share = if triangle { 1.0 / 3.0 } else { 0.5 };
         let single = |v: [f64; 3]| v.map(|c| c as f32);
         let sheet = Self {
             corner: single(corner),
             along: along.map(single),
             lengths: lengths.map(|l| l as f32),
             normal: single(normal.map(|c| c / double)),
+            centre: single([0, 1, 2].map(|c| corner[c] + (e[c] + f[c]) * share)),
             outline,
             two_sided,
             area: (double * if triangle { 0.5 } else { 1.0 }) as f32,
@@ -96,17 +100,6 @@ impl Sheet {
         let vectors = [sheet.corner, sheet.along[0], sheet.along[1], sheet.normal];
         let finite = vectors.as_flattened().iter().all(|c| c.is_finite());
         (finite && sheet.area > 0.0 && sheet.area.is_finite()).then_some(sheet)
-    }
-
-    /// Its middle, about.
-    fn centre(&self) -> [f32; 3] {
-        let share = if self.outline == Outline::Triangle {
-            1.0 / 3.0
-        } else {
-            0.5
-        };
-        let [e, f] = [0, 1].map(|i| self.along[i].map(|c| c * self.lengths[i] * share));
-        [0, 1, 2].map(|c| self.corner[c] + e[c] + f[c])
     }
 
     fn lights<R: Real>(&self, cosine: R) -> R::Mask {
@@ -281,7 +274,7 @@ impl Lamp {
         length: R,
     ) -> Option<(Nearness<R>, R)> {
         let (centre, room) = match &self.light {
-            LampLight::Flat(sheet) => (sheet.centre(), SOFT * sheet.area),
+            LampLight::Flat(sheet) => (sheet.centre, SOFT * sheet.area),
             LampLight::Point(position) => (*position, 0.0),
             LampLight::Direction(_) => return None,
         };
@@ -304,4 +297,117 @@ const SOFT: f32 = 0.25;
 #[inline(always)]
 fn by_area<R: Real>(sheet: &Sheet, squared: R, cosine: R) -> R {
     squared * R::splat(1.0 / sheet.area) / cosine.abs().max(R::splat(1e-6))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use core::f64::consts::TAU;
+
+    const PLACES: [[f32; 3]; 5] = [
+        [0.3, -0.2, 0.5],
+        [2.0, 1.0, 0.4],
+        [0.4, 0.2, 0.03],
+        [-5.0, 3.0, 9.0],
+        [0.5, 0.25, 1.5],
+    ];
+
+    fn sheet(edges: [[f64; 3]; 2], triangle: bool) -> Lamp {
+        let sheet = Sheet::new([0.0; 3], edges, triangle, true).expect("a sheet");
+        Lamp {
+            light: LampLight::Flat(sheet),
+            radiance: [1.0; 3],
+            choice: 0.5,
+        }
+    }
+
+    /// The solid angle of a triangle of unit vectors [Van Oosterom, Strackee 1983].
+    fn angle([a, b, c]: [Vec3<f64>; 3]) -> f64 {
+        let cross = Vec3::new(
+            b.y * c.z - b.z * c.y,
+            b.z * c.x - b.x * c.z,
+            b.x * c.y - b.y * c.x,
+        );
+        let half = libm::atan2(a.dot(cross).abs(), 1.0 + a.dot(b) + b.dot(c) + c.dot(a));
+        2.0 * half
+    }
+
+    /// ∫ du dv / p is the solid angle that sampling covers: the sheet's. And a ray that meets the place has the same density.
+    #[test]
+    fn sheets_are_sampled_by_their_density() {
+        let rectangle = [[1.0, 0.0, 0.0], [0.0, 0.5, 0.0]];
+        let slanted = [[1.0, 0.0, 0.0], [0.3, 0.5, 0.0]];
+        for (edges, triangle) in [(rectangle, false), (slanted, false), (slanted, true)] {
+            let lamp = sheet(edges, triangle);
+            for place in PLACES {
+                let from = Vec3::<f64>::splat(place);
+                let corner = |u: f64, v: f64| {
+                    let [e, f] = edges.map(|v| Vec3::new(v[0], v[1], v[2]));
+                    (e * u + f * v - from).normalised()
+                };
+                let [a, b, c, d] = [
+                    corner(0.0, 0.0),
+                    corner(1.0, 0.0),
+                    corner(1.0, 1.0),
+                    corner(0.0, 1.0),
+                ];
+                let expected = if triangle {
+                    angle([a, b, d])
+                } else {
+                    angle([a, b, c]) + angle([a, c, d])
+                };
+                let n = 400;
+                let mut sum = 0.0;
+                for i in 0..n {
+                    for j in 0..n {
+                        let uv = [i, j].map(|k| (f64::from(k) + 0.5) / f64::from(n));
+                        let seen = lamp.look(from, uv, 0.0);
+                        sum += lamp.choice as f64 / seen.pdf;
+                        let ray = Ray {
+                            origin: from,
+                            direction: seen.direction,
+                        };
+                        let (radiance, pdf) = lamp.found(&ray, seen.distance);
+                        assert_eq!(radiance.x, 1.0);
+                        assert!((pdf / seen.pdf - 1.0).abs() < 2e-5, "{pdf} {}", seen.pdf);
+                    }
+                }
+                let found = sum / f64::from(n * n);
+                // The root of a triangle's choice has an endless slope.
+                let room = if triangle { 2e-4 } else { 3e-5 };
+                assert!(
+                    (found / expected - 1.0).abs() < room,
+                    "{edges:?} {place:?} {triangle}: {found} {expected}"
+                );
+            }
+        }
+    }
+
+    /// A rectangle's density is as even as it is said to be: it seldom differs from that of the solid angle by much.
+    #[test]
+    fn rectangles_are_chosen_about_by_solid_angle() {
+        let lamp = sheet([[1.0, 0.0, 0.0], [0.0, 0.5, 0.0]], false);
+        for place in PLACES {
+            let from = Vec3::<f64>::splat(place);
+            let at = |u: f64, v: f64| f64::from(lamp.choice) / lamp.look(from, [u, v], 0.0).pdf;
+            let angles = [at(0.01, 0.5), at(0.5, 0.01), at(0.5, 0.5), at(0.99, 0.99)];
+            let least = angles.iter().fold(f64::INFINITY, |a, b| a.min(*b));
+            let most = angles.iter().fold(0.0_f64, |a, b| a.max(*b));
+            assert!(most < TAU && most / least < 3.0, "{place:?}: {angles:?}");
+        }
+    }
+
+    #[test]
+    fn lamps_shine_to_their_side() {
+        let one_sided = Sheet::new([0.0; 3], [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], false, false);
+        let lamp = Lamp {
+            light: LampLight::Flat(one_sided.expect("a sheet")),
+            radiance: [2.0; 3],
+            choice: 1.0,
+        };
+        let front = lamp.look(Vec3::<f32>::splat([0.2, 0.2, 1.0]), [0.5; 2], 1e-5);
+        let behind = lamp.look(Vec3::<f32>::splat([0.2, 0.2, -1.0]), [0.5; 2], 1e-5);
+        assert_eq!((front.radiance.x, behind.radiance.x), (2.0, 0.0));
+        assert!(Sheet::new([0.0; 3], [[1.0, 0.0, 0.0]; 2], false, false).is_none());
+    }
 }

@@ -65,3 +65,50 @@ impl<R: Real> Nearness<R> {
         apart / (self.angle() * (apart * apart + place * place))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The law's distribution function at a sampled place is the number that it was sampled by, and its density the
+    /// derivative: for lamps beside, before and behind the part of the line, near it and far away.
+    #[test]
+    fn places_follow_their_density() {
+        for (from, to) in [(-1.0, 2.0), (0.5, 0.75), (-40.0, -3.0), (0.0, 1e3)] {
+            for apart in [1e-3, 0.3, 7.0, 500.0_f64] {
+                let nearness = Nearness::new(from, to, apart);
+                let angle = |t: f64| libm::atan2(t, apart);
+                let whole = angle(to) - angle(from);
+                for u in [0.0, 0.01, 0.25, 0.5, 0.9, 0.999] {
+                    let place = nearness.sample(u);
+                    let below = (angle(place) - angle(from)) / whole;
+                    assert!((below - u).abs() < 3e-6, "{from} {to} {apart} {u}: {below}");
+                    let density = apart / (whole * (apart * apart + place * place));
+                    let ratio = nearness.density(place) / density;
+                    assert!(
+                        (ratio - 1.0).abs() < 1e-6,
+                        "{from} {to} {apart} {u}: {ratio}"
+                    );
+                }
+            }
+        }
+    }
+
+    /// In single precision nothing leaves the part or turns to no number, even where the lamp is all but on the line.
+    #[test]
+    fn places_stay_on_the_part() {
+        for apart in [1e-4_f32, 1e-2, 1.0, 1e3] {
+            for from in [-10.0_f32, -1e-3, 0.0, 5.0] {
+                let nearness = Nearness::new(from, from + 2.0, apart);
+                for i in 0..1000_u16 {
+                    let place = nearness.sample(f32::from(i) / 1000.0);
+                    assert!(
+                        place >= from && place <= from + 2.0,
+                        "{apart} {from} {i}: {place}"
+                    );
+                    assert!(nearness.density(place) > 0.0 && nearness.density(place).is_finite());
+                }
+            }
+        }
+    }
+}

@@ -206,3 +206,104 @@ impl<R: Real> Spot<R> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ray(origin: [f32; 3], towards: [f32; 3]) -> Ray<f32> {
+        let origin = Vec3::splat(origin);
+        Ray {
+            origin,
+            direction: (Vec3::splat(towards) - origin).normalised(),
+        }
+    }
+
+    /// Rays to known places of a piece and beside it, from either side.
+    #[test]
+    fn pieces_are_met_within_their_outline() {
+        let (corner, edges) = ([0.5, -1.0, 2.0], [[2.0, 1.0, 0.5], [-0.5, 1.5, 1.0]]);
+        for triangle in [false, true] {
+            let flat = Flat::new(corner, edges, triangle, 4.0).expect("a piece");
+            for i in -5..26 {
+                for j in -5..26 {
+                    let (u, v) = (f64::from(i) / 20.0 + 0.003, f64::from(j) / 20.0 + 0.004);
+                    let place =
+                        [0, 1, 2].map(|c| (corner[c] + edges[0][c] * u + edges[1][c] * v) as f32);
+                    let most = if triangle { u + v } else { u.max(v) };
+                    let inside = u >= 0.0 && v >= 0.0 && most <= 1.0;
+                    for from in [[3.0, -3.0, 4.0], [-3.0, 2.0, -4.0]] {
+                        let ray = ray(from, place);
+                        let (t, met) = flat.meet(&ray, 1e30);
+                        assert_eq!(met, inside, "{u} {v} {triangle}");
+                        if met {
+                            let off = ray.at(t) - Vec3::splat(place);
+                            assert!(off.dot(off).sqrt() < 4e-6);
+                            assert!(!flat.meet(&ray, t).1, "not nearer than itself");
+                        }
+                    }
+                }
+            }
+        }
+        assert_eq!(Flat::new(corner, [[1.0, 2.0, 3.0]; 2], false, 1.0), None);
+    }
+
+    /// Pieces that share an edge leave no crack: every ray near it meets one of them.
+    #[test]
+    fn edges_hold() {
+        let p = [0.1, 0.2, 0.3];
+        let (e, f) = ([0.7, 0.11, -0.13], [0.07, -0.9, 0.31]);
+        let g = [-0.2, 0.3, 0.8];
+        let pieces =
+            [[e, f], [e, g]].map(|edges| Flat::new(p, edges, false, 1.0).expect("a piece"));
+        let mut state = 1_u32;
+        let mut random = || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            f64::from(state >> 8) / f64::from(1 << 24)
+        };
+        for _ in 0..100_000 {
+            let u = 0.01 + 0.98 * random();
+            let on_edge = [0, 1, 2].map(|c| (p[c] + e[c] * u) as f32);
+            let from = [0, 1, 2].map(|c| (p[c] + 0.5 * e[c] + f[c] + g[c] + random() - 0.5) as f32);
+            let ray = ray(from, on_edge);
+            assert!(
+                pieces.iter().any(|piece| piece.meet(&ray, 1e30).1),
+                "{u} {from:?}"
+            );
+        }
+    }
+
+    /// A ray that leaves a ball outwards never meets it again, one that leads through it does on the other side.
+    #[test]
+    fn balls_are_left_and_crossed() {
+        let ball = Ball::new([0.3, -0.2, 0.1], 0.7).expect("a ball");
+        let mut state = 7_u32;
+        let mut random = || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (state >> 8) as f32 / 8_388_608.0 - 1.0
+        };
+        for _ in 0..10_000 {
+            let normal = Vec3::new(random(), random(), random()).normalised();
+            let direction = Vec3::new(random(), random(), random()).normalised();
+            let centre = Vec3::splat([0.3, -0.2, 0.1]);
+            let ray = Ray {
+                origin: centre + normal * 0.7,
+                direction,
+            };
+            let (t, met) = ball.meet(&ray, 1e30, true);
+            assert_eq!(met, normal.dot(direction) < 0.0);
+            if met {
+                let off = ray.at(t) - centre;
+                assert!((off.dot(off).sqrt() - 0.7).abs() < 1e-6);
+            }
+            // From outside it is met where it is nearest.
+            let from = Ray {
+                origin: centre + normal * 3.0,
+                direction: -normal,
+            };
+            let (t, met) = ball.meet(&from, 1e30, false);
+            assert!(met && (t - 2.3).abs() < 1e-5, "{t}");
+        }
+        assert_eq!(Ball::new([0.0; 3], 0.0), None);
+    }
+}

@@ -2,7 +2,8 @@
 
 use core::f32::consts::PI;
 
-use super::lamp::{Lamp, Seen};
+use super::lamp::Seen;
+use super::nearness::Nearness;
 use super::piece::Spot;
 use super::{Fog, Room};
 use crate::collision;
@@ -17,6 +18,10 @@ use crate::vec3::Vec3;
 
 /// Below this throughput a path plays roulette, and survives with it.
 const ROULETTE: f32 = 0.5;
+/// From this many scatterings on every path plays another roulette, whatever it carries: between white walls it would never
+/// end. It survives each with the inverse of this.
+const LONG: u32 = 1 << 16;
+const STAKE: f32 = 1.0 + 1.0 / 4096.0;
 /// A density that no competing strategy comes near.
 const CERTAIN: f32 = 1e30;
 /// No piece.
@@ -65,6 +70,8 @@ struct Flown<R> {
     /// Where the ray enters the fog, and how far it goes through it \[length\].
     begins: R,
     length: R,
+    /// The chance of a collision within that length.
+    blocked: R,
     /// Where the flight ended, from there \[length\].
     flight: R,
 }
@@ -150,22 +157,18 @@ impl Fog {
 
     /// The density with which a lamp's scattering is placed on a flight's way, over that of the flight; see
     /// [`Walks::scatter_once`].
+    ///
+    /// * `near`: the way as seen from the lamp, as [`nearness`](super::lamp::Lamp::nearness) has it.
     #[inline(always)]
-    fn placing<R: Real>(&self, lamp: &Lamp, way: &Flown<R>) -> R {
-        let sigma_t = R::splat(self.sigma_t);
-        let by_flight = R::one() / self.blocked(way.length);
-        let Some((nearness, nearest)) = lamp.nearness(&way.ray, way.begins, way.length) else {
+    fn placing<R: Real>(&self, near: Option<&(Nearness<R>, R)>, way: &Flown<R>) -> R {
+        let by_flight = R::one() / way.blocked;
+        let Some((nearness, nearest)) = near else {
             return by_flight;
         };
-        let density = nearness.density(way.begins + way.flight - nearest);
-        let by_nearness = density * (sigma_t * way.flight).exp() / sigma_t;
+        let density = nearness.density(way.begins + way.flight - *nearest);
+        let sigma_t = R::splat(self.sigma_t);
+        let by_nearness = density * (sigma_t * way.flight).exp() * R::splat(1.0 / self.sigma_t);
         R::splat(0.5) * (by_flight + by_nearness)
-    }
-
-    /// The chance of a collision within a length.
-    #[inline(always)]
-    fn blocked<R: Real>(&self, length: R) -> R {
-        -(-(R::splat(self.sigma_t) * length)).exp_m1()
     }
 }
 
@@ -257,6 +260,7 @@ impl<R: Real, S: KeyedStream<R>> Walks<R, S> {
                 },
                 begins: R::zero(),
                 length: R::zero(),
+                blocked: R::zero(),
                 flight: R::zero(),
             },
             from_fog: none,
@@ -393,14 +397,15 @@ impl<R: Real, S: KeyedStream<R>> Walks<R, S> {
             ray: self.ray,
             begins: R::zero(),
             length: R::zero(),
+            blocked: R::zero(),
             flight: R::zero(),
         };
         let mut through = R::one();
         let mut in_fog = R::Mask::splat(false);
         if let Some(fog) = &room.fog {
-            let sigma_t = R::splat(fog.sigma_t);
             (way.length, way.begins) = fog.within(&self.ray, t_piece);
-            through = analytic::through(sigma_t, way.length);
+            way.blocked = -(-(way.length * R::splat(fog.sigma_t))).exp_m1();
+            through = R::one() - way.blocked;
             let foggy = R::zero().lt(way.length) & may_scatter;
             if foggy.any() {
                 self.scatter_once(room, fog, &way, foggy);
@@ -472,7 +477,9 @@ impl<R: Real, S: KeyedStream<R>> Walks<R, S> {
             let (radiance, mut competing) = lamp.found(&self.ray, t);
             let placed = this & self.from_fog;
             if let Some(fog) = room.fog.as_ref().filter(|_| placed.any()) {
-                let placing = fog.placing(lamp, &self.found);
+                let way = &self.found;
+                let near = lamp.nearness(&way.ray, way.begins, way.length);
+                let placing = fog.placing(near.as_ref(), way);
                 competing = R::select(placed, competing * placing, competing);
             }
             let share = self.pdf / (self.pdf + competing);
@@ -561,27 +568,29 @@ impl<R: Real, S: KeyedStream<R>> Walks<R, S> {
         let twice = u + u;
         let near = R::one().le(twice);
         let rest = R::select(near, twice - R::one(), twice);
-        let by_flight = (rest * fog.blocked(way.length)).neg_ln_1m() * R::splat(1.0 / fog.sigma_t);
+        let mean = R::splat(1.0 / fog.sigma_t);
+        let by_flight = (rest * way.blocked).neg_ln_1m() * mean;
         for (index, lamp) in (0..).zip(room.lamps) {
             let this = chosen.eq(R::Word::splat(index)) & lanes;
             if !this.any() {
                 continue;
             }
             let mut way = *way;
-            way.flight = match lamp.nearness(&way.ray, way.begins, way.length) {
+            let seen_near = lamp.nearness(&way.ray, way.begins, way.length);
+            way.flight = match &seen_near {
                 Some((nearness, nearest)) => {
-                    let by_nearness = nearness.sample(rest) + nearest - way.begins;
+                    let by_nearness = nearness.sample(rest) + *nearest - way.begins;
                     R::select(near, by_nearness, by_flight)
                 }
                 // All by a flight.
-                None => (u * fog.blocked(way.length)).neg_ln_1m() * R::splat(1.0 / fog.sigma_t),
+                None => (u * way.blocked).neg_ln_1m() * mean,
             };
             way.flight = way.flight.max(R::zero()).min(way.length);
             let mut site = Site::nowhere();
             site.enter_fog(fog, &way, R::Mask::splat(true));
             let seen = lamp.look(site.origin, uv, room.step);
             let value = site.value(seen.direction);
-            let placing = fog.placing(lamp, &way);
+            let placing = fog.placing(seen_near.as_ref(), &way);
             let found = R::zero().lt(seen.pdf);
             let over = R::select(found, seen.pdf * placing + value, placing);
             let throughput = self.throughput.times(site.albedo) * (value / over);
@@ -624,7 +633,13 @@ impl<R: Real, S: KeyedStream<R>> Walks<R, S> {
     fn survive(&mut self, lanes: R::Mask) -> R::Mask {
         let largest = self.throughput.max_component();
         let lanes = lanes & R::zero().lt(largest);
-        let factor = collision::roulette(largest, R::splat(ROULETTE), &mut self.stream, lanes);
+        let mut threshold = R::splat(ROULETTE);
+        let long = lanes.and_not(self.depth.lt(R::Word::splat(LONG)));
+        if long.any() {
+            let stake = threshold.max(largest * R::splat(STAKE));
+            threshold = R::select(long, stake, threshold);
+        }
+        let factor = collision::roulette(largest, threshold, &mut self.stream, lanes);
         self.throughput = self.throughput * factor;
         lanes & R::zero().lt(factor)
     }

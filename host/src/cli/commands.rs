@@ -303,10 +303,10 @@ pub fn explain(args: &ExplainArgs) -> Result<String, Failure> {
         kernel_name(&world, Kernel::Packet),
         world.needs,
     );
-    let voxels = world.tables.samples.len();
+    let (voxels, bytes) = world.tables.size();
     if voxels > 0 {
         let bounds = world.tables.majorants.len();
-        let megabytes = (voxels + bounds) as f64 * 4.0 / 1e6;
+        let megabytes = bytes as f64 / 1e6;
         text += &format!("\n{voxels} samples and {bounds} majorants in {megabytes:.1} MB\n");
     }
     Ok(text)

@@ -183,7 +183,7 @@ pub(super) fn render(
         outcome,
         pilot,
     } = exposure;
-    let used = if plan.in_packets(world) {
+    let used = if plan.in_packets(world) || plan.in_room(world) {
         plan.kernel
     } else {
         Kernel::Scalar

@@ -13,7 +13,7 @@
 use glam::DVec3;
 use woodcock_core::majorant::{GridWalk, Tracker};
 use woodcock_core::medium::Medium as _;
-use woodcock_core::path::{Counts, OneGrid, OneHomogeneous, RecordKind};
+use woodcock_core::path::{Counts, OneGrid, OneHomogeneous, RecordKind, Tapped};
 use woodcock_core::ray::Ray as CoreRay;
 use woodcock_core::vec3::Vec3;
 
@@ -123,7 +123,7 @@ impl<'a> Running<'a> {
                 begin(medium, &local, length, draws, Runner::Homogeneous)
             }
             (None, RecordKind::Grid { .. }) => {
-                let medium = OneGrid::new(&description.record, &tables.samples, &tables.majorants);
+                let medium = tables.one_grid(&description.record);
                 begin(medium, &local, length, draws, Runner::Grid)
             }
         };
@@ -161,7 +161,7 @@ impl<'a> Running<'a> {
             Runner::Homogeneous(medium, tracker) => (tracker.majorant(medium), None),
             Runner::Grid(medium, tracker) => {
                 counts.lookups += 1;
-                let tap = tracker.walk.tap(tracker.t(), draws, true);
+                let tap = medium.tap(&tracker.walk, tracker.t(), draws, true);
                 (tracker.majorant(medium), Some(tap.0))
             }
             Runner::Cloud(medium, tracker) => {
@@ -201,7 +201,7 @@ pub(crate) fn stand<'a>(
     if !medium.has_samples() {
         return None;
     }
-    let grid = OneGrid::new(&medium.record, &tables.samples, &tables.majorants);
+    let grid = tables.one_grid(&medium.record);
     let mut walk: GridWalk<f32> = grid.idle();
     let ray = CoreRay {
         origin: Vec3::splat(place.as_vec3().to_array()),
@@ -218,8 +218,8 @@ pub(crate) fn tap_at(
     place: DVec3,
     draws: &mut impl Draws,
 ) -> Option<u32> {
-    let (_, walk) = stand(world.media.get(medium)?, &world.tables, place)?;
-    Some(walk.tap(0.0, draws, true).0)
+    let (grid, walk) = stand(world.media.get(medium)?, &world.tables, place)?;
+    Some(grid.tap(&walk, 0.0, draws, true).0)
 }
 
 /// Visits the tentative collisions of a ray in order of distance, until `visit` stops. Returns whether all were

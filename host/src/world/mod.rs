@@ -8,13 +8,14 @@ mod locate;
 mod medium;
 mod needs;
 mod shape;
+mod storage;
 mod work;
 
 pub use boundaries::{Boundaries, Sides};
 pub(crate) use medium::PacketSource;
 pub use medium::{
-    Beyond, CloudDensity, CloudField, Details, Emission, EmissiveVoxel, Field, Local, Medium,
-    PhaseFunction, Support, Tables,
+    Beyond, BrickTables, CloudDensity, CloudField, Details, Emission, EmissiveVoxel, Field, Local,
+    Medium, PhaseFunction, Support, Tables,
 };
 pub use needs::{Decision, Feature, Need, Needs};
 pub use work::LIMIT as COLLISION_LIMIT;
@@ -233,7 +234,7 @@ pub fn assemble(scene: &Scene, files: &dyn Files, options: &Options) -> Result<W
     let (resolution, window) = picture(scene, options)?;
     let mut warnings = Vec::new();
     let origin = local_origin(scene);
-    let assembled = assemble_media(scene, origin, files, options, &mut warnings)?;
+    let mut assembled = assemble_media(scene, origin, files, options, &mut warnings)?;
     let keep = &options.keep;
     let mut needs = Needs::default();
 
@@ -301,6 +302,7 @@ pub fn assemble(scene: &Scene, files: &dyn Files, options: &Options) -> Result<W
     );
     let room = room(scene, origin, (&assembled.media, &place), keep, &mut needs);
     path_needed(scene, &assembled.media, &place, keep, &mut needs);
+    storage::store(&assembled.media, &mut assembled.tables, keep, &mut needs);
     let (distant, environment) = lights(scene)?;
     let records = assembled
         .media
@@ -425,7 +427,12 @@ fn path_needed(
     needs: &mut Needs,
 ) {
     if !needs.in_packets() {
-        let reason = "the scalar integrators";
+        let apart = needs.runs(Feature::DetailedSurfaces) || !needs.runs(Feature::Surfaces);
+        let reason = if apart {
+            "the scalar integrators"
+        } else {
+            "a room's paths"
+        };
         for feature in [
             Feature::Scattering,
             Feature::FreePassage,
@@ -434,7 +441,6 @@ fn path_needed(
         ] {
             needs.decide(feature, true, keep, reason);
         }
-        let apart = needs.runs(Feature::DetailedSurfaces) || !needs.runs(Feature::Surfaces);
         let reason = if apart { reason } else { SHARED };
         needs.decide(Feature::IndependentSamples, apart, keep, reason);
         return;

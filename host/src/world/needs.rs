@@ -47,11 +47,15 @@ pub enum Feature {
     SharedPaths,
     /// First choices drawn apart from those of other samples.
     IndependentSamples,
+    /// A grid's samples in bricks, where they are, with a byte for each that settles most decisions.
+    Bricks,
+    /// A grid's samples in one table, however large.
+    DenseGrid,
 }
 
 impl Feature {
     /// All of them, in the order of the table.
-    pub const ALL: [Self; 19] = [
+    pub const ALL: [Self; 21] = [
         Self::Tracking,
         Self::Chromatic,
         Self::SeveralMedia,
@@ -71,6 +75,8 @@ impl Feature {
         Self::FaintShadowRays,
         Self::SharedPaths,
         Self::IndependentSamples,
+        Self::Bricks,
+        Self::DenseGrid,
     ];
 
     /// Its name on the command line and in statistics.
@@ -90,6 +96,8 @@ impl Feature {
             Self::Emission => "emission",
             Self::DetailedMedia => "detailed-media",
             Self::EquiAngular => "equi-angular",
+            Self::Bricks => "bricks",
+            Self::DenseGrid => "dense-grid",
             Self::Scattering => "scattering",
             Self::FreePassage => "free-passage",
             Self::FaintShadowRays => "faint-shadow-rays",

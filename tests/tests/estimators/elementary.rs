@@ -6,6 +6,7 @@
 //! that is tried too.
 
 use std::f64::consts::{LN_2, TAU};
+use woodcock_core::elementary::turn_of;
 use woodcock_core::real::Real;
 use woodcock_packet::lanes::{LANES, Lanes};
 
@@ -34,7 +35,7 @@ const BELOW_ONE: f32 = 1.0_f32.next_down();
 /// The least positive number.
 const TINY: f32 = f32::from_bits(1);
 
-const TABLE: [Row; 7] = [
+const TABLE: [Row; 8] = [
     Row {
         name: "ln",
         domain: [TINY, f32::MAX],
@@ -119,6 +120,20 @@ const TABLE: [Row; 7] = [
         exact: |turn| sin_cos(turn).1,
         first_term: |turn| sin_cos_terms(turn).1,
         seams: eighths,
+    },
+    Row {
+        name: "turn_of: a slope",
+        domain: [0.0, f32::MAX],
+        ulps: 2.9,
+        floor: 0.0,
+        one: |slope| turn_of(slope, 1.0),
+        eight: |slope| turn_of(slope, Lanes::one()),
+        exact: |slope| slope.atan() / TAU,
+        first_term: |slope| {
+            let term = slope.min(1.0 / slope) / TAU;
+            if slope > 1.0 { -term } else { term }
+        },
+        seams: || binades(-24..128, |scale| [scale, 4.0 / 3.0 * scale]),
     },
 ];
 

@@ -12,6 +12,7 @@ use woodcock_tests::widths::{everyone, ray, width};
 
 mod controls;
 mod errors;
+mod leaps;
 mod rounding;
 mod tracker;
 mod work;

@@ -12,5 +12,6 @@ mod furnace;
 mod options;
 mod pairwise;
 mod planted;
+mod rooms;
 mod surfaces;
 mod tables;

@@ -15,7 +15,7 @@ use crate::render::{Kernel, Plan};
 use crate::world::{Feature, World};
 
 /// The tables of a world that a plan renders as a room; `None` where other code does.
-pub(super) fn of<'w>(world: &'w World, plan: &Plan) -> Option<&'w Blueprint> {
+pub(crate) fn of<'w>(world: &'w World, plan: &Plan) -> Option<&'w Blueprint> {
     let plain = !world.needs.runs(Feature::DetailedSurfaces) && !plan.layers && plan.split == 1;
     let paths = matches!(plan.integrator, Integrator::Path | Integrator::Single);
     world.room.as_ref().filter(|_| plain && paths)

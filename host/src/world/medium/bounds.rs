@@ -1,8 +1,8 @@
 //! The bounds of a grid: blocks of the size that the cost model likes best, with leaps over what is empty.
 
 use woodcock_core::majorant::{
-    EDGES, MajorantError, WalkCost, block_counts, coarsen, fill_leaps, fill_slab,
-    majorant_count_of, walk_cost,
+    EDGES, MajorantError, WalkCost, block_counts, coarsen, fill_control_slab, fill_leaps,
+    fill_slab, majorant_count_of, walk_cost,
 };
 
 /// Bounds on a grid's samples.
@@ -96,6 +96,37 @@ fn finest(samples: &[f32], dims: [u32; 3]) -> Result<Vec<f32>, MajorantError> {
         fill(slab)?;
     }
     Ok(majorants)
+}
+
+/// Minorants and means of blocks of an edge, slab by slab on all threads.
+///
+/// # Errors
+/// A sample that no extinction can have.
+pub(super) fn controls(
+    samples: &[f32],
+    dims: [u32; 3],
+    edge: u32,
+) -> Result<[Vec<f32>; 2], MajorantError> {
+    let (mut minorants, mut means) = (empty_table(dims, edge)?, empty_table(dims, edge)?);
+    let [x, y, _] = block_counts(dims, edge).map(|n| n as usize + 2);
+    let fill = |(slab, (minorants, means)): (usize, (&mut [f32], &mut [f32]))| {
+        fill_control_slab(samples, dims, edge, slab, [minorants, means])
+    };
+    #[cfg(feature = "rayon")]
+    {
+        use rayon::prelude::*;
+        let slabs = minorants.par_chunks_exact_mut(x * y);
+        let slabs = slabs.zip(means.par_chunks_exact_mut(x * y)).enumerate();
+        slabs.map(fill).collect::<Result<(), _>>()?;
+    }
+    #[cfg(not(feature = "rayon"))]
+    {
+        let slabs = minorants.chunks_exact_mut(x * y);
+        for slab in slabs.zip(means.chunks_exact_mut(x * y)).enumerate() {
+            fill(slab)?;
+        }
+    }
+    Ok([minorants, means])
 }
 
 /// What a function makes of each table and its number, in their order.

@@ -94,7 +94,7 @@ impl Medium {
 
     /// What a sample is.
     pub(super) fn at_sample(&self, tables: &Tables, tap: u32) -> Coefficients {
-        let sample = tables.samples.get(tap as usize).copied().unwrap_or(0.0);
+        let sample = tables.sample(tap);
         // As kernels round it: below their majorant.
         let extinction = f64::from(sample * self.record.scale);
         let Some(shares) = self.details.as_ref().and_then(|d| d.shares.as_ref()) else {
@@ -139,8 +139,8 @@ impl Medium {
             let side = |far: u32, w: f64| if far == 1 { w } else { 1.0 - w };
             let weight = side(dx, w.x) * side(dy, w.y) * side(dz, w.z);
             if weight > 0.0 {
-                let index = ((z + dz) * dims[1] + y + dy) * dims[0] + x + dx;
-                sum.add(weight, &self.at_sample(tables, samples + index));
+                let tap = tables.tap(samples, dims, [x + dx, y + dy, z + dz]);
+                sum.add(weight, &self.at_sample(tables, tap));
             }
         }
         sum

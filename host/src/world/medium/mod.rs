@@ -9,6 +9,7 @@
 mod assembly;
 mod blackbody;
 mod bounds;
+mod bricks;
 mod cells;
 mod cloud;
 mod details;
@@ -23,6 +24,7 @@ mod sources;
 mod voxels;
 
 pub(super) use assembly::{Surroundings, assemble};
+pub use bricks::BrickTables;
 pub use cloud::{CloudDensity, CloudField};
 pub use details::Details;
 pub use emission::Emission;
@@ -34,15 +36,86 @@ pub(super) use samples::rows;
 pub use voxels::EmissiveVoxel;
 
 use glam::{DAffine3, DMat3, DVec3};
-use woodcock_core::path::{MediumRecord, RecordKind};
+use woodcock_core::path::{BRICK_SAMPLES, MediumRecord, OneGrid, RecordKind, Store};
 
 /// Samples and bounds of all grids of a scene, one after the other.
 #[derive(Clone, Debug, Default)]
 pub struct Tables {
-    /// Samples.
+    /// Samples; none where they are in bricks.
     pub samples: Vec<f32>,
     /// Majorants of blocks.
     pub majorants: Vec<f32>,
+    /// The samples of a scene's only grid, instead of `samples`.
+    pub bricks: Option<Box<BrickTables>>,
+    /// Minorants and means of blocks, in the layout of the majorants, or nothing.
+    pub controls: [Vec<f32>; 2],
+}
+
+/// From how many samples on a grid is better kept in bricks: `bench tracking` compares.
+pub(super) const BRICKS_FROM: usize = 1 << 22;
+
+impl Tables {
+    /// The sample of a tap; zero beyond the last.
+    pub fn sample(&self, tap: u32) -> f32 {
+        match &self.bricks {
+            Some(bricks) => bricks.sample(tap),
+            None => self.samples.get(tap as usize).copied().unwrap_or(0.0),
+        }
+    }
+
+    /// The tap of the sample at coordinates of a grid, whose first sample and dimensions are those of its record.
+    pub fn tap(&self, first: u32, dims: [u32; 3], [x, y, z]: [u32; 3]) -> u32 {
+        match &self.bricks {
+            Some(bricks) => bricks.index([x, y, z]),
+            None => first + (z * dims[1] + y) * dims[0] + x,
+        }
+    }
+
+    /// Computes what is known of the blocks of the only grid besides their bounds.
+    ///
+    /// * `record`: the grid's.
+    pub fn fill_controls(&mut self, record: &MediumRecord) {
+        if let RecordKind::Grid { dims, edge, .. } = record.kind
+            && let Ok(controls) = bounds::controls(&self.samples, dims, edge)
+        {
+            self.controls = controls;
+        }
+    }
+
+    /// Puts the samples of the only grid into bricks; nothing happens where there is no table of them.
+    ///
+    /// * `record`: the grid's.
+    pub fn into_bricks(&mut self, record: &MediumRecord) {
+        if let RecordKind::Grid { dims, .. } = record.kind
+            && let Some(bricks) = BrickTables::of_dense(&self.samples, dims)
+        {
+            self.samples = Vec::new();
+            self.bricks = Some(Box::new(bricks));
+        }
+    }
+
+    /// The scene's only medium, a grid, for kernels.
+    pub fn one_grid<'a>(&'a self, record: &MediumRecord) -> OneGrid<'a> {
+        let store = match &self.bricks {
+            Some(bricks) => Store::Bricks(bricks.borrow()),
+            None => Store::Dense(&self.samples),
+        };
+        let [minorants, means] = &self.controls;
+        OneGrid::stored(record, store, &self.majorants).with_controls(minorants, means)
+    }
+
+    /// How many samples, and how many bytes hold all tables.
+    pub fn size(&self) -> (u64, u64) {
+        let samples = match &self.bricks {
+            Some(bricks) => (bricks.present() * BRICK_SAMPLES) as u64,
+            None => self.samples.len() as u64,
+        };
+        let numbers = self.samples.len()
+            + self.majorants.len()
+            + self.controls.iter().map(Vec::len).sum::<usize>();
+        let bricks = self.bricks.as_ref().map_or(0, |bricks| bricks.bytes());
+        (samples, 4 * numbers as u64 + bricks)
+    }
 }
 
 /// The box outside of which a medium has no extinction.

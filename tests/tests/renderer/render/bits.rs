@@ -1,7 +1,14 @@
 //! What must not matter, to the last bit: lanes, threads, passes, and what else is in the picture.
 
 use super::{volume, volume_bytes};
+use woodcock_core::majorant::GridWalk;
+use woodcock_core::medium::Medium;
+use woodcock_core::path::{Bricks, OneGrid, Store, Tapped};
+use woodcock_core::ray::Ray;
+use woodcock_core::stream::{Key, PathStream};
+use woodcock_core::vec3::Vec3;
 use woodcock_host::film::Film;
+use woodcock_host::integrator::Integrator;
 use woodcock_host::render::{Kernel, replay};
 use woodcock_host::scene::MemoryFiles;
 use woodcock_host::world::{self, Feature};
@@ -109,6 +116,111 @@ fn eight_lanes_and_one_give_the_same_bits() {
         };
         assert_eq!(work(&packet), work(&scalar), "{}", case.name);
     }
+}
+
+/// A grid that is mostly empty, larger than a brick along each axis, and of no brick's size.
+fn sparse([x, y, z]: Xyz) -> f64 {
+    let lump = |cx: f64, cy: f64, cz: f64| {
+        let squares = (x - cx).powi(2) + (y - cy).powi(2) + (z - cz).powi(2);
+        (0.09 - squares).max(0.0) * 12.0
+    };
+    let rough = 0.6 + 0.4 * (37.0 * x + 51.0 * y * z).sin();
+    rough * (lump(-0.5, 0.3, 0.1) + lump(0.4, -0.4, -0.5) + lump(0.6, 0.6, 0.7))
+}
+
+/// Samples in one table and in bricks, read whole or settled by a byte: paths cannot tell.
+#[test]
+fn bricks_change_no_bit() {
+    let unit = [[-1.0; 3], [1.0; 3]];
+    let lights = sky(0.3) + &sun([1.0, 2.0, -1.0], [3.0, 2.5, 2.0]);
+    let far = perspective([0.2, 0.5, -3.5], [0.0, -0.1, 1.0], 50.0);
+    let tinted = coloured([0.1, 0.3, 0.9], [3.0, 2.0, 1.0], 0.5);
+    for (name, matter, function, size) in [
+        (
+            "lumps",
+            grey(9.0, 0.97, 0.6),
+            lumps as fn(Xyz) -> f64,
+            [19, 8, 13],
+        ),
+        ("sparse", grey(40.0, 0.99, 0.8), sparse, [45, 38, 51]),
+        ("sparse in colour", tinted, sparse, [45, 38, 51]),
+    ] {
+        let world = lights.clone()
+            + &uniform_grid("m", size, unit, function, &matter)
+            + &block("m", "", unit);
+        let text = scene(&far, [33, 17], &world);
+        let dense = stage_keeping(&text, &[Feature::DenseGrid]);
+        let mut bricks = stage_keeping(&text, &[Feature::Bricks]);
+        assert!(dense.world.tables.bricks.is_none() && bricks.world.tables.bricks.is_some());
+        assert!(bricks.world.tables.samples.is_empty());
+        let expected = dense.shoot_range(0..4);
+        expected.assert_sound(name);
+        let packet = bricks.shoot_range(0..4);
+        assert!(packet.film == expected.film, "{name}");
+        bricks.plan.kernel = Kernel::Scalar;
+        let scalar = bricks.shoot_range(0..4);
+        assert!(scalar.film == expected.film, "{name}: one lane");
+        let read = |p: &Picture| p.counts.exact_lookups as f64 / p.counts.lookups as f64;
+        assert_eq!(read(&packet), read(&scalar));
+        assert_eq!(read(&expected), 1.0);
+        if name == "sparse" {
+            assert!(read(&packet) < 0.6, "{name}: {} are read", read(&packet));
+        }
+        // Scalar integrators of other kinds read samples one by one.
+        for integrator in [Integrator::Bdpt, Integrator::Transmittance] {
+            let [mut dense, mut bricks] =
+                [&[Feature::DenseGrid], &[Feature::Bricks]].map(|keep| stage_keeping(&text, keep));
+            dense.plan.integrator = integrator;
+            bricks.plan.integrator = integrator;
+            let [dense, bricks] = [dense, bricks].map(|s| s.shoot_range(0..1).film);
+            assert!(dense == bricks, "{name}: {integrator:?}");
+        }
+    }
+}
+
+/// A planted mistake: with the bytes of the voxels beside, decisions differ, so the test above would see them.
+#[test]
+fn wrong_bytes_are_seen() {
+    let unit = [[-1.0; 3], [1.0; 3]];
+    let world = sky(0.3)
+        + &uniform_grid("m", [45, 38, 51], unit, sparse, &grey(40.0, 0.99, 0.8))
+        + &block("m", "", unit);
+    let far = perspective([0.2, 0.5, -3.5], [0.0, -0.1, 1.0], 50.0);
+    let studio = stage_keeping(&scene(&far, [9, 9], &world), &[Feature::Bricks]);
+    let tables = &studio.world.tables;
+    let bricks = tables.bricks.as_ref().expect("bricks").borrow();
+    let moved: Vec<u32> = bricks.codes.iter().map(|w| w.rotate_left(8)).collect();
+    let record = &studio.world.media[0].record;
+    let grid = |codes| {
+        let bricks = Bricks { codes, ..bricks };
+        OneGrid::stored(record, Store::Bricks(bricks), &tables.majorants)
+    };
+    let (right, wrong) = (grid(bricks.codes), grid(&moved));
+    let ray = Ray {
+        origin: Vec3::splat([-1.0, 0.25, 0.1]),
+        direction: Vec3::splat([1.0, 0.0, 0.0]),
+    };
+    let mut walk = GridWalk::<f32>::idle();
+    right.begin(&mut walk, &ray, true);
+    let (mut looked_up, mut differ) = (0, 0);
+    while walk.segment().t_exit < 2.0 {
+        let majorant = walk.segment().majorant;
+        let t = walk.segment().t_exit;
+        for sample in 0..200 {
+            let decide = |grid: &OneGrid<'_>| {
+                let mut rng = PathStream::new(Key {
+                    sample,
+                    ..Key::default()
+                });
+                let tap = grid.tap(&walk, t * 0.999, &mut rng, true);
+                grid.decide(&walk, tap, majorant, &mut rng, true).real
+            };
+            looked_up += 1;
+            differ += u32::from(decide(&right) != decide(&wrong));
+        }
+        right.next_segment(&mut walk, true);
+    }
+    assert!(looked_up > 200 && differ > 20, "{differ} of {looked_up}");
 }
 
 #[test]

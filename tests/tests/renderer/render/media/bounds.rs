@@ -10,7 +10,9 @@ fn largest_share(
     sigma_t: impl Fn(&GridWalk<f32>, f32, DVec3) -> f64,
 ) -> (f64, u32) {
     let medium = &world.media[0];
-    let majorants: Vec<f32> = world.tables.majorants.iter().map(|m| m * shrink).collect();
+    // What is below zero is a leap.
+    let shrunk = |m: &f32| if *m > 0.0 { m * shrink } else { *m };
+    let majorants: Vec<f32> = world.tables.majorants.iter().map(shrunk).collect();
     let walker = OneGrid::new(&medium.record, &world.tables.samples, &majorants);
     let support = medium.support.as_ref().expect("a box");
     let from_local = support.to_local.inverse();
