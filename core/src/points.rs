@@ -232,6 +232,12 @@ impl<W: Word> LaneStrata<W> {
         Self(words)
     }
 
+    /// The lower and upper halves.
+    #[inline(always)]
+    pub fn words(self) -> [W; 2] {
+        self.0
+    }
+
     /// `if_true` where the mask holds, else `if_false`.
     #[inline(always)]
     pub fn select(mask: W::Mask, if_true: Self, if_false: Self) -> Self {
