@@ -4,15 +4,18 @@
 //! cargo bench -p woodcock-benches --bench scaling [-- threads|grid|depth|albedo] [--huge]
 //! ```
 //!
-//! One factor at a time, from a ball of smoke without sun on 128³ voxels. Grids are made on the spot; `--huge` adds the one of
-//! 1024³ voxels, which takes 16 GB. Threads each render their own samples of one world.
+//! One factor at a time, from a ball of smoke under sun and sky on 128³ voxels, eight mean free paths across, of albedo 0.9.
+//! Grids are made on the spot; `--huge` adds the one of 1024³ voxels, which takes 16 GB. Threads each render their own samples of one
+//! world; where other programs run, only their CPU time per path says something.
 #![forbid(unsafe_code)]
 
 use std::error::Error;
 use std::thread;
 use std::time::Instant;
 
-use woodcock_benches::measure::{EDGE, Way, alone, assemble, median, pass, render};
+use woodcock_benches::measure::{
+    EDGE, Way, alone, assemble, assemble_text, median, pass, render, timed,
+};
 use woodcock_benches::yardstick::Yardstick;
 use woodcock_benches::{quick, selected};
 use woodcock_host::render::Kernel;
@@ -25,6 +28,8 @@ fn smoke(side: usize, depth: f32, albedo: f32) -> Yardstick {
     Yardstick {
         sigma_a: [sigma_t * (1.0 - albedo); 3],
         sigma_s: [sigma_t * albedo; 3],
+        sun: Some(([-0.6, 0.7, -0.5], [2.0; 3])),
+        sky: [0.5; 3],
         ..Yardstick::smoke(side)
     }
 }
@@ -35,9 +40,9 @@ fn measure(
     scene: &Yardstick,
     samples: u32,
 ) -> Result<(), Box<dyn Error>> {
-    let start = Instant::now();
-    let world = assemble(scene, EDGE, &[])?;
-    let setup = start.elapsed().as_secs_f64();
+    let (text, volume) = (scene.text(), scene.volume());
+    let (world, setup) = timed(|| assemble_text(scene.name, &text, volume, EDGE, &[]));
+    let world = world?;
     let mut way = Way::new(samples);
     for seed in 0..if quick() { 3 } else { 5 } {
         way.run(|samples| render(&world, Kernel::Packet, samples, seed));
@@ -53,17 +58,22 @@ fn measure(
     Ok(())
 }
 
-/// Paths a second of so many threads \[millions\].
-fn threaded(world: &World, threads: u32, samples: u32) -> f64 {
+/// Paths a second \[millions\], and CPU time a path \[ns\], of so many threads.
+fn threaded(world: &World, threads: u32, samples: u32) -> (f64, f64) {
     let start = Instant::now();
-    thread::scope(|scope| {
-        for index in 0..threads {
-            let own = index * samples..(index + 1) * samples;
-            scope.spawn(move || pass(world, Kernel::Packet, own, 0));
-        }
+    let ((), seconds) = timed(|| {
+        thread::scope(|scope| {
+            for index in 0..threads {
+                let own = index * samples..(index + 1) * samples;
+                scope.spawn(move || pass(world, Kernel::Packet, own, 0));
+            }
+        });
     });
     let paths = f64::from(threads * samples) * (EDGE * EDGE) as f64;
-    paths * 1e-6 / start.elapsed().as_secs_f64()
+    (
+        paths * 1e-6 / start.elapsed().as_secs_f64(),
+        seconds * 1e9 / paths,
+    )
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -87,7 +97,9 @@ fn main() -> Result<(), Box<dyn Error>> {
             }
         }
         for (threads, paces) in counts.iter().zip(paces) {
-            println!("threads  {threads:>6} {:>9.3}", median(paces));
+            let pace = median(paces.iter().map(|(pace, _)| *pace));
+            let cost = median(paces.iter().map(|(_, cost)| *cost));
+            println!("threads  {threads:>6} {pace:>9.3} {cost:>10.1}");
         }
     }
     if selected("grid") {

@@ -22,7 +22,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (samples, rounds, coarser, edge) = if quick() {
         (1, 3, 4, EDGE / 4)
     } else {
-        (16, 6, 1, EDGE)
+        (16, 4, 1, EDGE / 2)
     };
     println!(
         "{:<24} {:<11} {:>7} {:>9} {:>7}",

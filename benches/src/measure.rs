@@ -52,8 +52,8 @@ pub fn assemble_text(
 ) -> Result<World, Box<dyn Error>> {
     let path = Path::new(name);
     let mut files = MemoryFiles::new().with(path, text.as_bytes());
-    if let Some((name, bytes)) = &volume {
-        files = files.with(Path::new(name), bytes.as_slice());
+    if let Some((name, bytes)) = volume {
+        files = files.with(name, bytes);
     }
     let options = world::Options {
         keep: keep.to_vec(),

@@ -316,9 +316,8 @@ impl Yardstick {
         for number in [0.0_f32, 0.0, 0.0, 1.0, 1.0, 1.0] {
             bytes.extend(number.to_le_bytes());
         }
-        for value in &cells.density {
-            bytes.extend(value.to_le_bytes());
-        }
+        bytes.reserve_exact(4 * cells.density.len());
+        bytes.extend(cells.density.iter().flat_map(|value| value.to_le_bytes()));
         Some((format!("{}.vol", self.name), bytes))
     }
 }

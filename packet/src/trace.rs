@@ -21,10 +21,6 @@ pub struct PathRequest {
     pub key: Key,
 }
 
-/// A stage runs when this many lanes wait for it, or when nothing fuller does. Scattering is dear, and
-/// so is finding a stretch; moving to a tentative collision is cheap.
-const FULL_ENOUGH: u32 = 4;
-
 /// Traces the requested paths and hands each sample to `land(index, sample)`, in any order.
 ///
 /// The sample of a request is a pure function of it and of the scene: it has the same bits in
@@ -74,14 +70,13 @@ where
                 return *paths.counts();
             }
         }
-        // Move lanes on until enough of them wait at something dear.
-        while paths.at(Stage::Track).any() && paths.at(Stage::Collide).count() < FULL_ENOUGH {
+        // The fullest stage, whatever it costs: lanes that wait cost as much as steps that run half empty.
+        let at = |stage| paths.at(stage).count();
+        let [track, collide, scatter, enter] =
+            [Stage::Track, Stage::Collide, Stage::Scatter, Stage::Enter].map(at);
+        if track >= collide && track >= scatter && track >= enter {
             paths.track(scene);
-        }
-        let counts =
-            [Stage::Collide, Stage::Scatter, Stage::Enter].map(|stage| paths.at(stage).count());
-        let [collide, scatter, enter] = counts;
-        if collide >= scatter && collide >= enter {
+        } else if collide >= scatter && collide >= enter {
             paths.collide(scene);
         } else if scatter >= enter {
             paths.scatter(scene);

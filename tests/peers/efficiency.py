@@ -173,7 +173,7 @@ def woodcock(args, scene, spp, seed):
     import OpenEXR
 
     image, stats = args.out / "woodcock.exr", args.out / "woodcock.json"
-    command = [args.woodcock, args.yardsticks / f"{scene}.pbrt", "-q", "-o", image, "--stats", stats]
+    command = [args.woodcock.resolve(), args.yardsticks / f"{scene}.pbrt", "-q", "-o", image, "--stats", stats]
     command += ["--spp", spp, "--seed", seed, "--resolution", f"{args.size}x{args.size}"]
     subprocess.run([str(word) for word in command], check=True)
     with OpenEXR.File(str(image), separate_channels=True) as file:

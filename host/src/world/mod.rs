@@ -4,6 +4,7 @@
 mod boundaries;
 mod crossing;
 mod extent;
+mod gains;
 mod locate;
 mod medium;
 mod needs;
