@@ -70,12 +70,12 @@ pub fn walk_cost(
             let exit = segment.t_exit.min(end).max(t);
             bounds += f64::from(segment.majorant * (exit - t));
             t = exit;
-            // Written so that NaN ends it.
-            if !(t < end) {
+            if t < end {
+                crossings += 1.0;
+                walk.next_segment(majorants, true);
+            } else {
                 break;
             }
-            crossings += 1.0;
-            walk.next_segment(majorants, true);
         }
         length += f64::from(t);
     }

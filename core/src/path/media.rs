@@ -198,7 +198,7 @@ impl MediumRecord {
     }
 
     /// As [`to_words`](Self::to_words), for a grid that lies in [bricks](crate::path::Bricks).
-    pub(super) fn to_words_in_bricks(&self) -> [u32; RECORD_WORDS] {
+    pub(super) fn to_words_in_bricks(self) -> [u32; RECORD_WORDS] {
         let mut words = self.to_words();
         if let RecordKind::Grid { dims, .. } = self.kind {
             let [x, y, _] = brick_counts(dims);

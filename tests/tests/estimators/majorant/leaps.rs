@@ -186,7 +186,7 @@ fn a_walk_that_leaps_meets_the_same_bounds() {
         f64::from(leaping) < 0.6 * f64::from(plain),
         "{leaping} segments of {plain}"
     );
-    assert!(missed > 20, "the check sees leaps over matter: {missed}");
+    assert!(missed >= 10, "the check sees leaps over matter: {missed}");
 }
 
 #[test]
