@@ -51,7 +51,12 @@ fn against_analog(scene: &Yardstick, samples: u32, rounds: u64) -> Result<(), Bo
         both.a.nanoseconds / both.b.nanoseconds,
         both.a.variance / both.b.variance,
     );
-    let found = Agreement::of(&average(&ours.runs), &average(&plain.runs), EDGE);
+    let found = Agreement::of(
+        &average(&ours.runs),
+        &average(&plain.runs),
+        EDGE,
+        rounds as f64 * f64::from(samples),
+    );
     println!(
         "{:<11} z {:+.2}, of blocks {:+.2}, difference {:+.1e}, plant {:.1}",
         scene.name, found.picture, found.block, found.difference, found.planted,

@@ -41,6 +41,7 @@ def arguments():
     parser.add_argument("--spike", type=float, nargs="+", help="instead: the cloud with one voxel so many times as dense, time over that without")
     parser.add_argument("--size", type=int, default=128, help="pixels along an edge")
     parser.add_argument("--rounds", type=int, default=6, help="renderings of either, at least three")
+    parser.add_argument("--way", help="of Mitsuba, in place of a pilot: VARIANT,INTEGRATOR,RR_DEPTH")
     parser.add_argument("--scale", type=float, default=1.0, help="factor on the samples per pixel")
     parser.add_argument("--out", type=Path, default=Path("peers-out"), help="folder for images")
     parser.add_argument("--worker", help=argparse.SUPPRESS)
@@ -191,6 +192,9 @@ def relmse(images, reference):
 
 def pilot(args, peers, scene):
     """The best of Mitsuba's ways: seconds x relMSE of three small renderings each."""
+    if args.way:
+        variant, integrator, rr = args.way.split(",")
+        return variant, integrator, int(rr)
     results = []
     spp = max(int(SAMPLES[scene] * args.scale) // 8, 4)
     for (variant, peer), integrator, rr in itertools.product(peers.items(), INTEGRATORS, ROULETTES):

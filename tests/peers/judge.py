@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 LIMIT = 4.9  # about 1e-6, two-sided
+ROUNDING = 1e-5  # relative, of films that add up in single precision: a deviation, too, where nothing is random
 
 
 @dataclass
@@ -45,7 +46,7 @@ def welch(mean, variance, renderings, samples):
     spread = renderings.var(0, ddof=1) / count
     total = variance + spread
     equal = (total == 0) & np.isclose(mean, other, rtol=1e-6, atol=0)
-    total = np.where(total > 0, total, 1e-300)
+    total = np.maximum(total + (ROUNDING * other) ** 2, 1e-300)
     t = np.where(equal, np.nan, (mean - other) / np.sqrt(total))
     freedom = total**2 / np.maximum(variance**2 / (samples - 1) + spread**2 / (count - 1), 1e-300)
     freedom = np.clip(freedom, 1, 1e9)
