@@ -151,7 +151,7 @@ fn decided_rows<'a, M: Tapped<f32> + Tapped<Lanes>>(medium: &'a M, name: &str) -
     ]
 }
 
-/// Runs the rows in rounds and prints them; `alike` of them from the second pair on must agree bit by bit.
+/// Runs the rows in rounds and prints them.
 fn table(title: &str, rows: &mut [Row<'_>], work: &Work, rounds: usize) {
     for _ in 0..rounds {
         for row in rows.iter_mut() {
@@ -321,6 +321,15 @@ fn blocks(side: u32, optical_depth: f32, rounds: usize) -> Result<(), Box<dyn Er
         100.0 * empty
     );
     table(&title, &mut rows, &work, rounds);
+    for (edge, table) in &levels {
+        let cost = walk_cost(table, dims, *edge, f64::from(scale))?;
+        println!(
+            "model, blocks of {edge:<2}: {:.4} crossings and {:.4} collisions a voxel, cost {:.4}",
+            cost.crossings,
+            cost.collisions,
+            cost.total()
+        );
+    }
     Ok(())
 }
 

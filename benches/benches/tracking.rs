@@ -15,15 +15,17 @@ use woodcock_core::free_flight::{analytic, delta};
 use woodcock_core::majorant::MajorantGrid;
 use woodcock_core::medium::{Grid, Homogeneous, IDENTITY, Medium};
 use woodcock_core::ray::Ray;
-use woodcock_core::stream::PathStream;
+use woodcock_core::real::Mask;
+use woodcock_core::stream::{KeyedStream, PathStream, Stream};
 use woodcock_core::transmittance::delta::Delta;
 use woodcock_core::transmittance::ratio::Ratio;
 use woodcock_core::transmittance::{self};
 use woodcock_core::vec3::Vec3;
+use woodcock_packet::bits::LaneStream;
 use woodcock_packet::bundle::{
     Bundle, BundleRay, Schedule, Usage, analytic_flights, free_flights, transmittances,
 };
-use woodcock_packet::lanes::Lanes;
+use woodcock_packet::lanes::{LANES, LaneMask, Lanes};
 
 type Scalar<'a> = Box<dyn Fn(&BundleRay, &mut PathStream) -> f32 + 'a>;
 type Packet<'a> = Box<dyn Fn(&Bundle, Schedule, &mut [f32]) -> Usage + 'a>;
@@ -208,6 +210,37 @@ fn compare(pair: &Pair<'_>, work: &Work, rounds: usize) {
     }
 }
 
+/// What no flight in lanes can do without: a word of the stream and a logarithm, eight at a time.
+///
+/// Prints how fast that is, and which part of that speed flights in closed form reach.
+fn bare(medium: &Homogeneous, work: &Work, rounds: usize) {
+    let flights = closed_form(medium);
+    let (mut loops, mut whole) = (Times::default(), Row::new("x8"));
+    let all = LaneMask::splat(true);
+    let mut out = vec![0.0_f32; RAYS];
+    for _ in 0..rounds {
+        let mut stream = LaneStream::idle();
+        for lane in 0..LANES {
+            stream.set_key(lane, work.singles[0][lane].0.key);
+        }
+        loops.time(|| {
+            for _ in 0..BUNDLES {
+                for group in out.as_chunks_mut::<LANES>().0 {
+                    *group = stream.exponential(all).to_array();
+                }
+                black_box(&out);
+            }
+        });
+        whole.packet(&flights, work, Schedule::Refill);
+    }
+    println!(
+        "{:<48} {:>8.1}: flights in closed form reach {:.0} % of it",
+        "bare stream and logarithm/x8",
+        loops.quantile(0.5) * 1e9 / Work::PATHS as f64,
+        100.0 * whole.times.speed_up_over(&loops)
+    );
+}
+
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let rounds = if quick() { 1 } else { 61 };
     println!("{RAYS} rays a bundle, {BUNDLES} bundles a round, {rounds} rounds, one thread");
@@ -219,6 +252,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let homogeneous = Homogeneous::new(1.5 / edge)?;
     let work = Work::new(edge);
     compare(&closed_form(&homogeneous), &work, rounds * 4);
+    bare(&homogeneous, &work, rounds * 4);
     for pair in tracked(&homogeneous, "homogeneous") {
         compare(&pair, &work, rounds * 4);
     }

@@ -232,6 +232,12 @@ impl<W: Word> LaneStrata<W> {
         Self(words)
     }
 
+    /// The lower and upper halves.
+    #[inline(always)]
+    pub fn words(self) -> [W; 2] {
+        self.0
+    }
+
     /// `if_true` where the mask holds, else `if_false`.
     #[inline(always)]
     pub fn select(mask: W::Mask, if_true: Self, if_false: Self) -> Self {
@@ -249,7 +255,7 @@ impl<W: Word> LaneStrata<W> {
     /// The stratum of one of the sixteen choices by its number, for paths whose choices are others than [`Choice`] names.
     #[inline(always)]
     pub fn leading_of(&self, place: u32) -> W {
-        let word = self.0[(place / 8 & 1) as usize];
+        let word = self.0[((place / 8) & 1) as usize];
         word.shr(4 * (place % 8)).shl(32 - DIGITS)
     }
 }

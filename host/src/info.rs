@@ -7,6 +7,7 @@ mod mitsuba;
 use crate::volume::vdb::{self, Grid, MetaValue, Metadata, Statistics, VdbError};
 use crate::volume::vol::{self, VolError, VolGrid};
 use crate::volume::{Limits, nvdb};
+use crate::world::{Held, held};
 use glam::DVec3;
 use serde_json::{Map, Value, json};
 use std::cell::RefCell;
@@ -252,6 +253,16 @@ fn grid_json(grid: &Grid, options: &InfoOptions) -> Value {
         if let Some(invalid) = voxels.first_invalid().filter(|v| !v.value.is_finite()) {
             put("not_finite", json!(invalid.to_string()));
         }
+        let held = held(grid, &options.limits).map(|held| {
+            json!({
+                "samples": held.samples,
+                "bytes": held.bytes,
+                "bytes_per_sample": held.bytes_per_sample(),
+                "bricks": held.bricks,
+                "half": held.half,
+            })
+        });
+        put("rendering", held.unwrap_or(Value::Null));
         put("at", options.at.iter().map(|p| at(grid, *p)).collect());
         put("ray", options.rays.iter().map(|r| ray(grid, *r)).collect());
     }
@@ -263,7 +274,8 @@ fn grid_json(grid: &Grid, options: &InfoOptions) -> Value {
 /// Keys of a grid: `name`, `type`, `class`, `half`, `readable` (with `reason` where false), `transform_type`,
 /// `index_to_world` (rows of the matrix that takes column vectors from index to world space; null for a frustum),
 /// `metadata`; where its values were read also `background`, `active_voxels`, `active_tiles`, `leaf_nodes`, `active_bbox`
-/// (\[min, max\], inclusive), `min_active`, `max_active`, `sum_active` (all four null without active voxels), `at` and
+/// (\[min, max\], inclusive), `min_active`, `max_active`, `sum_active` (all four null without active voxels), `rendering` (what a scene would
+/// hold of it: `samples`, `bytes`, `bytes_per_sample`, `bricks`, `half`; null for no density), `at` and
 /// `ray` (one value per question, null where there is no answer). Non-finite numbers are the strings nan, inf, -inf;
 /// vectors are lists of three. The one grid of a Mitsuba file has no name; its world is the unit cube, all of its voxels
 /// are active, and it has `size`, `channels` and `file_bounds` besides.
@@ -352,6 +364,9 @@ fn grid_text(text: &mut String, grid: &Grid, options: &InfoOptions) {
         if let Some(invalid) = voxels.first_invalid().filter(|v| !v.value.is_finite()) {
             line(text, "warning", format!("not finite: {invalid}"));
         }
+        if let Some(held) = held(grid, &options.limits) {
+            line(text, "rendering", held_text(&held));
+        }
         for point in &options.at {
             line(text, "at", format!("{point:?}: {}", at(grid, *point)));
         }
@@ -360,6 +375,21 @@ fn grid_text(text: &mut String, grid: &Grid, options: &InfoOptions) {
         }
     }
     metadata_text(text, "  ", &grid.metadata);
+}
+
+/// What rendering would hold of a grid.
+fn held_text(held: &Held) -> String {
+    let store = match (held.bricks, held.half) {
+        (false, _) => "one table",
+        (true, false) => "bricks",
+        (true, true) => "bricks in half precision",
+    };
+    format!(
+        "{store} of {} samples, {:.1} MB, {:.3} bytes a sample with all tables",
+        held.samples,
+        held.bytes as f64 / 1e6,
+        held.bytes_per_sample()
+    )
 }
 
 fn statistics_text(text: &mut String, grid: &Grid, s: &Statistics) {

@@ -46,15 +46,17 @@ impl Shear {
     #[inline]
     pub(crate) fn cross(&self, corners: &[DVec3; 3], origin: DVec3) -> Option<Crossing> {
         let [kx, ky, kz] = self.axes;
-        let sheared = corners.map(|corner| {
-            let p = corner - origin;
+        let shear = |corner: DVec3| {
+            let p = (corner - origin).to_array();
             (
                 p[kx] - self.x * p[kz],
                 p[ky] - self.y * p[kz],
                 self.z * p[kz],
             )
-        });
-        let [a, b, c] = sheared;
+        };
+        // Not by `map`, whose calls are not always compiled away.
+        let [a, b, c] = [shear(corners[0]), shear(corners[1]), shear(corners[2])];
+        let sheared = [a, b, c];
         let u = c.0 * b.1 - c.1 * b.0;
         let v = a.0 * c.1 - a.1 * c.0;
         let w = b.0 * a.1 - b.1 * a.0;

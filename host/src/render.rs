@@ -215,11 +215,16 @@ pub(crate) struct Requests<'a> {
 impl Requests<'_> {
     /// Pixel by pixel, each pixel's samples in order.
     pub(crate) fn iter(&self) -> impl Iterator<Item = PathRequest> {
-        let of_pixel = move |(x, y, samples): (u32, u32, Range<u32>)| {
-            let of = move |sample| request(self.world, self.seed, x, y, sample);
-            samples.map(of)
-        };
-        self.places.pixels().flat_map(of_pixel)
+        let mut pixels = self.places.pixels();
+        let (mut x, mut y, mut samples) = (0, 0, 0..0);
+        std::iter::from_fn(move || {
+            loop {
+                if let Some(sample) = samples.next() {
+                    return Some(request(self.world, self.seed, x, y, sample));
+                }
+                (x, y, samples) = pixels.next()?;
+            }
+        })
     }
 }
 

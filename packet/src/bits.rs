@@ -26,6 +26,20 @@ impl LaneStream {
         self.even = vector::select(even_mask, even, self.even);
         self.odd = vector::select(odd_mask, odd, self.odd);
     }
+
+    /// The lower and upper halves of the states, by lane.
+    #[inline(always)]
+    pub(crate) fn states(&self) -> [[u32; LANES]; 2] {
+        let (even, odd): ([u64; 4], [u64; 4]) = (cast(self.even), cast(self.odd));
+        let state = |lane: usize| {
+            let half = if lane.is_multiple_of(2) { even } else { odd };
+            half[lane / 2]
+        };
+        [
+            core::array::from_fn(|lane| state(lane) as u32),
+            core::array::from_fn(|lane| (state(lane) >> 32) as u32),
+        ]
+    }
 }
 
 impl Stream<Lanes> for LaneStream {

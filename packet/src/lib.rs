@@ -18,5 +18,6 @@ pub mod bits;
 pub mod bundle;
 mod gather;
 pub mod lanes;
+mod queue;
 pub mod room;
 pub mod trace;

@@ -8,7 +8,8 @@ use woodcock_core::stream::{KeyedStream, PathStream};
 
 use crate::bits::LaneStream;
 use crate::lanes::{LANES, LaneMask, LaneWords, Lanes};
-use crate::trace::{Bank, Next, PathRequest};
+use crate::queue::{Bank, Next};
+use crate::trace::PathRequest;
 
 /// Traces the requested paths and hands each sample to `land(index, sample)`, in any order.
 ///

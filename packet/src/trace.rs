@@ -2,12 +2,13 @@
 
 use woodcock_core::medium::Controlled;
 use woodcock_core::path::{self, Counts, Geometry, PathSample, Paths, Scene, Stage, Tapped};
-use woodcock_core::points::{self, LaneStrata, Strata};
+use woodcock_core::points::{self, LaneStrata};
 use woodcock_core::real::{Mask, Word32};
 use woodcock_core::stream::{Key, KeyedStream, PathStream};
 
 use crate::bits::LaneStream;
 use crate::lanes::{LANES, LaneMask, LaneWords, Lanes};
+use crate::queue::{Bank, Next, Queue, Ready};
 
 /// A path to trace.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,78 +19,6 @@ pub struct PathRequest {
     pub y: u32,
     /// Its random numbers.
     pub key: Key,
-}
-
-/// A stage runs when this many lanes wait for it, or when nothing fuller does. Scattering is dear, and
-/// so is finding a stretch; moving to a tentative collision is cheap.
-const FULL_ENOUGH: u32 = 4;
-
-/// What new paths begin with, by lane: written one by one, read all at once.
-#[derive(Debug, Default)]
-pub(crate) struct Next {
-    pub(crate) place: [[f32; LANES]; 2],
-    pub(crate) state: [[u32; LANES]; 2],
-    pub(crate) strata: [[u32; LANES]; 2],
-}
-
-impl Next {
-    #[inline(always)]
-    pub(crate) fn set(&mut self, lane: usize, request: &PathRequest) {
-        let state = request.key.initial_state();
-        self.place[0][lane] = request.x as f32;
-        self.place[1][lane] = request.y as f32;
-        self.state[0][lane] = state as u32;
-        self.state[1][lane] = (state >> 32) as u32;
-    }
-
-    #[inline(always)]
-    pub(crate) fn set_strata(&mut self, lane: usize, strata: Strata) {
-        let [low, high] = strata.words();
-        self.strata[0][lane] = low;
-        self.strata[1][lane] = high;
-    }
-
-    #[inline(always)]
-    fn launch<M, G, const CHROMATIC: bool, const ANY_RAYLEIGH: bool>(
-        &self,
-        scene: &Scene<'_, M, G>,
-        paths: &mut Paths<Lanes, M::Walk, LaneStream, CHROMATIC, ANY_RAYLEIGH>,
-        lanes: LaneMask,
-    ) where
-        M: Tapped<Lanes>,
-        G: Geometry<Lanes> + ?Sized,
-    {
-        let [low, high] = self.state.map(LaneWords::new);
-        paths.stream().set_states(low, high, lanes);
-        if scene.settings.points {
-            let strata = LaneStrata::new(self.strata.map(LaneWords::new));
-            paths.set_strata(strata, lanes);
-        }
-        let [x, y] = self.place.map(Lanes::new);
-        paths.launch(scene, x, y, lanes);
-    }
-}
-
-/// The strata of the replicate that was asked for last: paths come in the order of their samples.
-#[derive(Debug, Default)]
-pub(crate) struct Bank {
-    of: Option<Key>,
-    strata: [Strata; points::REPLICATE as usize],
-}
-
-impl Bank {
-    #[inline]
-    pub(crate) fn strata(&mut self, key: Key) -> Strata {
-        let first = Key {
-            sample: key.sample / points::REPLICATE,
-            ..key
-        };
-        if self.of != Some(first) {
-            self.of = Some(first);
-            self.strata = points::replicate(key);
-        }
-        self.strata[(key.sample % points::REPLICATE) as usize]
-    }
 }
 
 /// Traces the requested paths and hands each sample to `land(index, sample)`, in any order.
@@ -107,11 +36,10 @@ where
 {
     let mut paths =
         Paths::<Lanes, M::Walk, LaneStream, CHROMATIC, ANY_RAYLEIGH>::idle(scene.medium);
-    let mut waiting = requests.into_iter().enumerate();
+    let mut queue = Queue::new(requests);
     let mut owners = [0_usize; LANES];
     let mut held = 0_u32;
-    let mut bank = Bank::default();
-    let mut next = Next::default();
+    let mut ready = Ready::default();
     loop {
         let running = paths.running().bits();
         if running != 0xff {
@@ -125,32 +53,30 @@ where
                     land(*owner, paths.sample(lane));
                     held &= !bit;
                 }
-                if let Some((index, request)) = waiting.next() {
-                    *owner = index;
+                if let Some(place) = queue.next(scene, paths.counts_mut(), &mut land) {
+                    *owner = queue.owners[place];
                     held |= bit;
                     begun |= bit;
-                    next.set(lane, &request);
-                    if scene.settings.points {
-                        next.set_strata(lane, bank.strata(request.key));
-                    }
+                    ready.copy(lane, &queue.ready, place);
                 }
             }
             if begun != 0 {
                 let begun = LaneMask::from_bits(begun);
-                next.launch(scene, &mut paths, begun);
+                let [low, high] = ready.state.map(LaneWords::new);
+                paths.stream().set_states(low, high, begun);
+                paths.launch_at(&ready.start(begun), begun);
             }
             if held == 0 {
                 return *paths.counts();
             }
         }
-        // Move lanes on until enough of them wait at something dear.
-        while paths.at(Stage::Track).any() && paths.at(Stage::Collide).count() < FULL_ENOUGH {
+        // The fullest stage, whatever it costs: lanes that wait cost as much as steps that run half empty.
+        let at = |stage| paths.at(stage).count();
+        let [track, collide, scatter, enter] =
+            [Stage::Track, Stage::Collide, Stage::Scatter, Stage::Enter].map(at);
+        if track >= collide && track >= scatter && track >= enter {
             paths.track(scene);
-        }
-        let counts =
-            [Stage::Collide, Stage::Scatter, Stage::Enter].map(|stage| paths.at(stage).count());
-        let [collide, scatter, enter] = counts;
-        if collide >= scatter && collide >= enter {
+        } else if collide >= scatter && collide >= enter {
             paths.collide(scene);
         } else if scatter >= enter {
             paths.scatter(scene);

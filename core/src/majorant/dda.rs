@@ -38,14 +38,19 @@ pub struct GridLayout<R: Real> {
 impl<R: Real> GridLayout<R> {
     /// The layout of one grid, alone in its tables, for every lane.
     pub fn of(grid: &MajorantGrid<'_>, scale: f32) -> Self {
-        let [strides, majorant_strides] = MajorantGrid::strides(grid.dims, grid.edge);
+        Self::of_dims(grid.dims, grid.edge, scale)
+    }
+
+    /// The layout of a grid of `dims` samples in blocks of `edge` cells, alone in its tables.
+    pub(crate) fn of_dims(dims: [u32; 3], edge: u32, scale: f32) -> Self {
+        let [strides, majorant_strides] = MajorantGrid::strides(dims, edge);
         Self {
             samples: R::Word::splat(0),
             strides: strides.map(R::Word::splat),
             majorants: R::Word::splat(0),
             majorant_strides: majorant_strides.map(R::Word::splat),
-            edge: R::splat(grid.edge as f32),
-            last: grid.size(),
+            edge: R::splat(edge as f32),
+            last: Vec3::splat(dims.map(|n| (n - 1) as f32)),
             scale: R::splat(scale),
         }
     }

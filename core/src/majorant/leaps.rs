@@ -80,12 +80,6 @@ fn reach(entry: f32, shift: u32) -> u32 {
     code(entry).map_or(0, |code| (code >> shift & CODE_MASK) + 1)
 }
 
-/// The mean over the octants of 1/k; one where there is matter.
-pub(super) fn mean_inverse_reach(entry: f32) -> f64 {
-    let inverse = |octant| 1.0 / f64::from(reach(entry, octant * CODE_BITS).max(1));
-    (0..8).map(inverse).sum::<f64>() / 8.0
-}
-
 /// Writes the leaps into the empty entries of a table of bounds.
 ///
 /// * `majorants`: as [`fill_majorants`](crate::majorant::fill_majorants) makes them, rim included.

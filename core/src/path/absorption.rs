@@ -11,7 +11,7 @@ use core::cell::Cell;
 
 use crate::majorant::Segment;
 use crate::medium::{Control, Controlled, Medium};
-use crate::path::state::camera_ray;
+use crate::path::start::camera_ray;
 use crate::path::{Counts, Geometry, PathSample, Scene, Tapped};
 use crate::points::LaneStrata;
 use crate::ray::Ray;

@@ -19,6 +19,35 @@ pub struct Stretch<R: Real> {
     pub found: R::Mask,
 }
 
+impl<R: Real> Stretch<R> {
+    /// Found in no lane.
+    #[inline(always)]
+    pub fn none() -> Self {
+        Self {
+            interval: Interval {
+                t0: R::zero(),
+                t1: R::zero(),
+            },
+            medium: R::Word::splat(0),
+            found: R::Mask::splat(false),
+        }
+    }
+
+    /// `if_true` where the mask holds, else `if_false`.
+    #[inline(always)]
+    pub fn select(mask: R::Mask, if_true: &Self, if_false: &Self) -> Self {
+        let real = |a, b| R::select(mask, a, b);
+        Self {
+            interval: Interval {
+                t0: real(if_true.interval.t0, if_false.interval.t0),
+                t1: real(if_true.interval.t1, if_false.interval.t1),
+            },
+            medium: R::Word::select(mask, if_true.medium, if_false.medium),
+            found: (if_true.found & mask) | if_false.found.and_not(mask),
+        }
+    }
+}
+
 /// Which stretches of a ray lie in media.
 pub trait Geometry<R: Real>: core::fmt::Debug {
     /// Stretches may overlap or come out of order, so that the nearest collision of all must be

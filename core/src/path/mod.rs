@@ -28,6 +28,7 @@ mod geometry;
 mod media;
 mod one_grid;
 mod source;
+mod start;
 mod state;
 
 pub use absorption::{absorb, sample_of};
@@ -42,6 +43,7 @@ pub use media::{
 };
 pub use one_grid::{OneGrid, Store};
 pub use source::{BlackBodies, Field, Radiance, Shining, Source};
+pub use start::Start;
 pub use state::{Paths, Stage};
 
 use crate::camera::Camera;

@@ -2,7 +2,9 @@
 
 use crate::collision;
 use crate::majorant::Tracker;
-use crate::path::{Counts, Geometry, Optics, PathSample, Scene, ShadowEstimator, Tapped};
+use crate::path::{
+    Counts, Geometry, Optics, PathSample, Scene, ShadowEstimator, Start, Stretch, Tapped,
+};
 use crate::phase::Phase;
 use crate::points::{Choice, LaneStrata, Stratified};
 use crate::ray::{FAR, Ray};
@@ -41,6 +43,8 @@ struct Hit<R: Real> {
 pub struct Paths<R: Real, W, S, const CHROMATIC: bool, const ANY_RAYLEIGH: bool> {
     stream: S,
     strata: LaneStrata<R::Word>,
+    /// The first stretch of camera rays, found before their launch; `found` until they enter it.
+    first: Stretch<R>,
     tracker: Tracker<R, W>,
     ray: Ray<R>,
     /// Where the tracker's ray begins: the entry of the present stretch, and its distance.
@@ -78,31 +82,10 @@ const FAINT_ON_THE_WAY: f32 = 0.4;
 const LEAST: f32 = 1.0 / 64.0;
 /// No shadow ray plays roulette above this weight.
 const ROULETTE_SHADOW: f32 = 0.5;
+/// Above this throughput a flight in a homogeneous medium is made to collide.
+const FORCED: f32 = 0.2;
 /// A density that no competing strategy comes near.
 const CERTAIN: f32 = 1e30;
-
-/// The camera rays of new paths.
-#[inline(always)]
-pub(super) fn camera_ray<R: Real, M, G: ?Sized>(
-    scene: &Scene<'_, M, G>,
-    [x, y]: [R; 2],
-    strata: &LaneStrata<R::Word>,
-    rng: &mut impl Stream<R>,
-    lanes: R::Mask,
-) -> Ray<R> {
-    if !scene.settings.points {
-        return scene.camera.ray(x, y, rng, lanes);
-    }
-    let choices = [
-        Choice::PixelX,
-        Choice::PixelY,
-        Choice::LensRadius,
-        Choice::LensTurn,
-    ];
-    let leading = choices.map(|choice| strata.leading(choice));
-    let mut stream = Stratified::new(rng, leading, lanes);
-    scene.camera.ray(x, y, &mut stream, lanes)
-}
 
 impl<R, W, S, const CHROMATIC: bool, const ANY_RAYLEIGH: bool>
     Paths<R, W, S, CHROMATIC, ANY_RAYLEIGH>
@@ -118,6 +101,7 @@ where
         Self {
             stream: S::idle(),
             strata: LaneStrata::idle(),
+            first: Stretch::none(),
             tracker: Tracker::idle(medium.idle()),
             ray: Ray {
                 origin: zero,
@@ -207,13 +191,29 @@ where
         self.counts.busy_lanes += u64::from(self.running().count());
     }
 
+    /// The same, for what is done outside of lanes.
+    pub fn counts_mut(&mut self) -> &mut Counts {
+        &mut self.counts
+    }
+
     /// Begins paths in the given lanes, whose streams have been given their keys.
     ///
     /// * `x`, `y`: column and row of each path's pixel.
     #[inline(always)]
-    pub fn launch<M, G: ?Sized>(&mut self, scene: &Scene<'_, M, G>, x: R, y: R, lanes: R::Mask) {
-        let ray = camera_ray(scene, [x, y], &self.strata, &mut self.stream, lanes);
-        self.ray = Ray::select(lanes, &ray, &self.ray);
+    pub fn launch<M, G>(&mut self, scene: &Scene<'_, M, G>, x: R, y: R, lanes: R::Mask)
+    where
+        G: Geometry<R> + ?Sized,
+    {
+        let start = Start::new(scene, [x, y], self.strata, &mut self.stream, lanes);
+        self.launch_at(&start, lanes);
+    }
+
+    /// Begins paths that stand ready in the given lanes, with the streams that made them so.
+    #[inline(always)]
+    pub fn launch_at(&mut self, start: &Start<R>, lanes: R::Mask) {
+        self.ray = Ray::select(lanes, &start.ray, &self.ray);
+        self.first = Stretch::select(lanes, &start.first, &self.first);
+        self.strata = LaneStrata::select(lanes, start.strata, self.strata);
         self.throughput = Vec3::select(lanes, Vec3::uniform(1.0), self.throughput);
         self.radiance = Vec3::select(lanes, Vec3::uniform(0.0), self.radiance);
         self.depth = R::Word::select(lanes, R::Word::splat(0), self.depth);
@@ -246,8 +246,16 @@ where
     {
         self.count_step();
         let lanes = self.at(Stage::Enter);
-        let stretch = scene.geometry.stretch(&self.ray, self.cursor, lanes);
-        let found = stretch.found & lanes;
+        let known = self.first.found & lanes;
+        let sought = lanes.and_not(known);
+        let stretch = if sought.any() {
+            let stretch = scene.geometry.stretch(&self.ray, self.cursor, sought);
+            Stretch::select(known, &self.first, &stretch)
+        } else {
+            self.first
+        };
+        self.first.found = self.first.found.and_not(lanes);
+        let found = (stretch.found & sought) | known;
         let t0 = stretch.interval.t0;
         let t1 = stretch.interval.t1.min(self.limit);
         let inside = t0.lt(t1) & found;
@@ -273,7 +281,7 @@ where
             }
             let length = t1 - t0;
             if M::TIGHT && !CHROMATIC && scene.settings.forced {
-                self.force(scene, length, tracked);
+                self.fly(scene, length, tracked);
             } else {
                 self.begin_flight(scene, length, tracked);
                 self.go(tracked, Stage::Enter, Stage::Track);
@@ -324,34 +332,43 @@ where
         self.tracker.begin(length, &mut self.stream, lanes);
     }
 
-    /// Flights that collide in any case on a stretch of constant extinction, beyond which is the environment alone:
-    /// what passes is scored, and the collision is that of a flight known not to pass.
+    /// Flights on a stretch of constant extinction, beyond which is the environment alone. Where a path still has much to
+    /// bring, what would pass is scored, and the flight is one that is known to collide; otherwise it takes its chance.
     #[inline(always)]
-    fn force<M, G>(&mut self, scene: &Scene<'_, M, G>, length: R, lanes: R::Mask)
+    fn fly<M, G>(&mut self, scene: &Scene<'_, M, G>, length: R, lanes: R::Mask)
     where
         M: Tapped<R, Walk = W>,
         G: Geometry<R> + ?Sized,
     {
         let sigma_t = scene.medium.segment(&self.tracker.walk).majorant;
-        let collides = -(-(sigma_t * length)).exp_m1();
-        let passed = self.throughput * (R::one() - collides);
-        let sky = Vec3::splat(scene.lights.environment);
-        let radiance = self.radiance + passed.times(sky);
-        self.radiance = Vec3::select(lanes, radiance, self.radiance);
-        self.throughput = Vec3::select(lanes, self.throughput * collides, self.throughput);
-        let camera = self.depth.eq(R::Word::splat(0)) & lanes;
-        let alpha = R::select(camera, collides, self.alpha);
+        let whole = sigma_t * length;
+        let collides = -(-whole).exp_m1();
         let u = if scene.settings.points {
             let (early, word) = self.flight_digits(lanes);
             Stratified::<R, S, 1>::new(&mut self.stream, [word], early).uniform_fine(lanes)
         } else {
             self.stream.uniform_fine(lanes)
         };
-        let t = ((u * collides).neg_ln_1m() / sigma_t).min(length);
-        let number = u64::from(lanes.count());
+        // A uniform number below one ends at 16.6 mean free paths: no chance is left to be taken beyond.
+        let forced =
+            R::splat(FORCED).le(self.throughput.max_component()) | R::splat(16.0).le(whole);
+        let share = R::select(forced, collides, R::one());
+        let depth = (u * share).neg_ln_1m();
+        let escapes = lanes.and_not(forced | depth.lt(whole));
+        let passes = R::select(forced, R::one() - collides, R::one().or_zero(escapes));
+        let sky = Vec3::splat(scene.lights.environment);
+        let radiance = self.radiance + (self.throughput * passes).times(sky);
+        self.radiance = Vec3::select(lanes, radiance, self.radiance);
+        self.throughput = Vec3::select(lanes, self.throughput * share, self.throughput);
+        self.finish(escapes, Stage::Enter);
+        let hits = lanes.and_not(escapes);
+        let number = u64::from(hits.count());
         self.counts.tentative_collisions += number;
         self.counts.real_collisions += number;
-        self.record_hit(scene, Stage::Enter, t, lanes);
+        let camera = self.depth.eq(R::Word::splat(0)) & lanes;
+        let alpha = R::select(camera, collides, self.alpha);
+        let t = (depth / sigma_t).min(length);
+        self.record_hit(scene, Stage::Enter, t, hits);
         self.alpha = alpha;
     }
 

@@ -227,6 +227,8 @@ impl Lamp {
         let [along_x, along_y] = sheet.along.map(Vec3::splat);
         let on_it = Vec3::splat(sheet.corner) + along_x * x + along_y * y;
         let front = normal.dot(from - on_it);
+        // Whatever begins on the sheet itself, or next to its plane, has rounding for a direction.
+        let beside = front.abs().lt(R::splat(EDGE * step));
         let side = R::select(front.lt(R::zero()), R::splat(-step), R::splat(step));
         let towards = on_it + normal * side - from;
         let squared = towards.dot(towards);
@@ -238,14 +240,18 @@ impl Lamp {
         Seen {
             direction,
             distance,
-            radiance: Vec3::select(sheet.lights(cosine), radiance, Vec3::uniform(0.0)),
+            radiance: Vec3::select(
+                sheet.lights(cosine).and_not(beside),
+                radiance,
+                Vec3::uniform(0.0),
+            ),
             pdf: pdf * R::splat(self.choice),
         }
     }
 
     /// Radiance that a ray meets on a sheet at distance t, and the density with which [`look`](Self::look) finds it.
     #[inline(always)]
-    pub(super) fn found<R: Real>(&self, ray: &Ray<R>, t: R) -> (Vec3<R>, R) {
+    pub(super) fn found<R: Real>(&self, ray: &Ray<R>, t: R, step: f32) -> (Vec3<R>, R) {
         let LampLight::Flat(sheet) = &self.light else {
             return (Vec3::uniform(0.0), R::zero());
         };
@@ -261,6 +267,8 @@ impl Lamp {
         } else {
             by_area(sheet, t * t, cosine)
         };
+        let front = cosine.abs() * t;
+        let pdf = R::select(front.lt(R::splat(EDGE * step)), R::zero(), pdf);
         (radiance, pdf * R::splat(self.choice))
     }
 
@@ -282,13 +290,17 @@ impl Lamp {
         let nearest = towards.dot(ray.direction);
         let across = towards - ray.direction * nearest;
         let apart = (across.dot(across) + R::splat(room)).sqrt();
-        // On the ray itself the law would be a point.
-        let apart = apart.max(length * R::splat(1e-4));
+        // On the ray itself the law would be a point. More than the rounding of its place it must not be: where the lamp is
+        // nearer than is said, what arrives has a heavy tail.
+        let least = towards.dot(towards).sqrt() * R::splat(1e-6);
+        let apart = apart.max(least.max(R::splat(f32::MIN_POSITIVE)));
         let begins = from - nearest;
         Some((Nearness::new(begins, begins + length, apart), nearest))
     }
 }
 
+/// How many steps from its plane a sheet is sampled from, at least.
+const EDGE: f32 = 4.0;
 /// The part of a sheet's area by which its middle is said to be farther away (squared): nearer than its own size, it does
 /// not become brighter.
 const SOFT: f32 = 0.25;
@@ -367,7 +379,7 @@ mod tests {
                             origin: from,
                             direction: seen.direction,
                         };
-                        let (radiance, pdf) = lamp.found(&ray, seen.distance);
+                        let (radiance, pdf) = lamp.found(&ray, seen.distance, 0.0);
                         assert_eq!(radiance.x, 1.0);
                         assert!((pdf / seen.pdf - 1.0).abs() < 2e-5, "{pdf} {}", seen.pdf);
                     }
@@ -408,6 +420,8 @@ mod tests {
         let front = lamp.look(Vec3::<f32>::splat([0.2, 0.2, 1.0]), [0.5; 2], 1e-5);
         let behind = lamp.look(Vec3::<f32>::splat([0.2, 0.2, -1.0]), [0.5; 2], 1e-5);
         assert_eq!((front.radiance.x, behind.radiance.x), (2.0, 0.0));
+        let beside = lamp.look(Vec3::<f32>::splat([0.2, 0.2, 1e-5]), [0.5; 2], 1e-5);
+        assert_eq!(beside.radiance.x, 0.0);
         assert!(Sheet::new([0.0; 3], [[1.0, 0.0, 0.0]; 2], false, false).is_none());
     }
 }

@@ -474,7 +474,7 @@ impl<R: Real, S: KeyedStream<R>> Walks<R, S> {
             if !this.any() {
                 continue;
             }
-            let (radiance, mut competing) = lamp.found(&self.ray, t);
+            let (radiance, mut competing) = lamp.found(&self.ray, t, room.step);
             let placed = this & self.from_fog;
             if let Some(fog) = room.fog.as_ref().filter(|_| placed.any()) {
                 let way = &self.found;

@@ -50,7 +50,10 @@ fn cells(name: &str, summary: Option<Summary>) -> [String; 6] {
         plus_minus(s.efficiency),
         plus_minus(s.median),
         slope,
-        s.verdict.name().to_owned(),
+        match s.floor {
+            Some(floor) => format!("{} at {}", s.verdict.name(), plus_minus(floor)),
+            None => s.verdict.name().to_owned(),
+        },
         format!("{:.3e}", s.pace),
     ]
 }
@@ -101,7 +104,8 @@ td{font-variant-numeric:tabular-nums}svg{max-width:100%;height:auto}code{backgro
 const EXPLANATION: &str = "Each point is the mean of several runs with different seeds; methods took turns, so that a busy machine slows all \
 alike. relMSE is the mean over pixels and channels of squared error over (reference² + 0.01 · mean²), without the reference's own error. CPU seconds \
 are user and system time of all threads without loading. CPU s × relMSE is the time to reach relMSE 1: lower is better; ± are 95 % \
-intervals. Without bias the error falls as one over time (slope −1; its root with −½); a bias shows as a floor.";
+intervals. Without bias the error falls as one over time (slope −1; its root with −½); a bias shows as a floor, which is named where \
+it is significant (false alarms: 0.1 %).";
 
 /// The page: table, drawing and all runs, with no reference to anything outside of it.
 pub fn html(stages: &[Stage], about: &About, svg: &str, csv: &str) -> String {

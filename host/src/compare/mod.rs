@@ -257,7 +257,7 @@ pub fn compare(a: &Estimate, b: &Estimate, false_alarms: f64) -> Result<Comparis
     let mut worst = Worst::default();
     let mean = b.mean().iter().sum::<f64>() / 3.0;
     let (mut squares, mut noise) = (0.0, 0.0);
-    for colour in 0..3 {
+    for (colour, of_whole) in whole.iter_mut().enumerate() {
         let mut all = Welch::default();
         let mut parts = vec![Welch::default(); columns * rows];
         for y in 0..height {
@@ -275,7 +275,7 @@ pub fn compare(a: &Estimate, b: &Estimate, false_alarms: f64) -> Result<Comparis
                 }
             }
         }
-        whole[colour] = all.finish();
+        *of_whole = all.finish();
         for (part, sums) in parts.iter().enumerate() {
             let z = sums.finish().z;
             if z.abs() > worst.z.abs() {

@@ -206,10 +206,12 @@ impl Tile {
         }
         let whole =
             first.is_multiple_of(self.replicate) && samples.len() == self.replicate as usize;
+        let channels = samples.iter().map(|path| {
+            let [r, g, b] = path.radiance;
+            [r, g, b, path.alpha]
+        });
         let channel = |c: usize| samples.iter().map(move |path| path.radiance[c]);
-        let exact = [0, 1, 2].map(|c| sum::exact_sum(channel(c)));
-        let alpha = sum::exact_sum(samples.iter().map(|path| path.alpha));
-        let sums = if let ([Some(r), Some(g), Some(b)], Some(alpha)) = (exact, alpha) {
+        let sums = if let Some([r, g, b, alpha]) = sum::exact_sums(channels) {
             assert!(self.window.contains(x, y), "pixel outside its tile");
             let index = self.window.index(x, y);
             self.pixels[index].add_sums(samples.len() as u32, [r, g, b], alpha);

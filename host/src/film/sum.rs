@@ -37,20 +37,25 @@ const fn halve(x: i64) -> Halves {
     [x as u32, (x >> 32) as u32]
 }
 
-/// The sum of numbers, if `f64` holds it and every sum of the first of them; that of samples of like size nearly always.
+/// Sums of numbers side by side, if `f64` holds each and every sum of the first of them; those of samples of like size
+/// nearly always.
 #[inline]
-pub(super) fn exact_sum(numbers: impl Iterator<Item = f32>) -> Option<f64> {
-    let (mut sum, mut lost) = (0.0_f64, 0.0_f64);
+pub(super) fn exact_sums<const N: usize>(
+    numbers: impl Iterator<Item = [f32; N]>,
+) -> Option<[f64; N]> {
+    let (mut sums, mut lost) = ([0.0_f64; N], [0.0_f64; N]);
     for number in numbers {
-        // What an addition loses is itself a number, found without error [Knuth 1997].
-        let x = f64::from(number);
-        let next = sum + x;
-        let of_x = next - sum;
-        lost += ((sum - (next - of_x)) + (x - of_x)).abs();
-        sum = next;
+        for ((sum, lost), number) in sums.iter_mut().zip(&mut lost).zip(number) {
+            // What an addition loses is itself a number, found without error [Knuth 1997].
+            let x = f64::from(number);
+            let next = *sum + x;
+            let of_x = next - *sum;
+            *lost += ((*sum - (next - of_x)) + (x - of_x)).abs();
+            *sum = next;
+        }
     }
     // Not finite: lost is NaN.
-    (lost == 0.0).then_some(sum)
+    lost.iter().all(|lost| *lost == 0.0).then_some(sums)
 }
 
 /// An order-independent sum of `f32` samples or of their squares (module documentation).
@@ -84,7 +89,7 @@ impl BinnedSum {
         self.add_scaled(u64::from(mantissa), exponent, x.is_sign_negative());
     }
 
-    /// Adds the sum of several finite samples, if it has been found without rounding: see [`exact_sum`].
+    /// Adds the sum of several finite samples, if it has been found without rounding: see [`exact_sums`].
     #[inline]
     pub fn add_exact(&mut self, sum: f64) {
         let bits = sum.to_bits();

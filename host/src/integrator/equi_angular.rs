@@ -29,7 +29,7 @@ use super::transmit::mean;
 use super::walk::{Stretch, tap_at};
 use crate::bsdf::Transport;
 use crate::ray::Ray;
-use crate::world::{Feature, World};
+use crate::world::World;
 
 /// Optical depth, by the largest extinction on the ray, from its beginning to the place nearest to the lamp and from there to
 /// the lamp, beyond which distances are not sampled by nearness.
@@ -62,11 +62,8 @@ impl Found {
 }
 
 impl Segment {
-    /// The part of a ray in media; `None` where distances are not sampled.
+    /// The part of a ray in media, if there is any.
     pub(super) fn new(world: &World, ray: &Ray, stretches: &[Stretch]) -> Option<Self> {
-        if !world.needs.runs(Feature::EquiAngular) {
-            return None;
-        }
         let (first, last) = (stretches.first()?, stretches.last()?);
         let bound = |stretch: &Stretch| world.thickest.get(stretch.2).copied().unwrap_or(0.0);
         Some(Self {

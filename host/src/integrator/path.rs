@@ -19,7 +19,7 @@ use super::{Draws, Matter, Sample, Score, Settings, Subpath};
 use crate::bsdf::Transport;
 use crate::ray::Ray;
 use crate::surface::Hit;
-use crate::world::World;
+use crate::world::{Feature, World};
 
 /// Below this throughput a path plays roulette, and survives with it.
 const ROULETTE: f64 = 0.25;
@@ -65,9 +65,15 @@ struct Scoring<'a> {
     score: &'a mut Score,
     last: &'a Last,
     ray: &'a Ray,
+    /// Whether distances compete.
+    near: bool,
 }
 
 impl Witness for Scoring<'_> {
+    fn wants_passage(&self) -> bool {
+        self.near
+    }
+
     fn tentative(
         &mut self,
         world: &World,
@@ -166,11 +172,13 @@ fn follow<D: Draws>(
     let mut score = Score::default();
     let mut throughput = DVec3::ONE;
     let mut last = Last::certain(ray.origin);
+    let near = world.needs.runs(Feature::EquiAngular);
     for depth in 0.. {
         let mut scoring = Scoring {
             score: &mut score,
             last: &last,
             ray: &ray,
+            near,
         };
         draws.vertex(Subpath::Camera, depth + 1);
         let before = throughput;
@@ -181,7 +189,7 @@ fn follow<D: Draws>(
             }
             _ => tracer.fly(&ray, &mut throughput, draws, &mut scoring),
         };
-        let segment = if depth < settings.max_depth {
+        let segment = if near && depth < settings.max_depth {
             near_lamps(tracer, &ray, before, draws, &mut score)
         } else {
             None

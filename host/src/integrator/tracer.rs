@@ -47,12 +47,16 @@ pub(crate) enum End {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Flight {
     pub(crate) end: End,
-    /// Its passage up to the end ([`Passage`]).
+    /// Its passage up to the end ([`Passage`]), if the witness wanted it.
     pub(crate) passage: f64,
 }
 
 /// Who looks on while a flight passes things that do not end it.
 pub(crate) trait Witness {
+    /// Whether anyone asks for the passage of the whole flight.
+    fn wants_passage(&self) -> bool {
+        true
+    }
     /// A tentative collision, before it is decided. `passage`: that of the flight up to there, lazily.
     fn tentative(
         &mut self,
@@ -150,7 +154,11 @@ impl<'a> Tracer<'a> {
             End::Surface(hit) => hit.t,
             End::Escape => f64::INFINITY,
         };
-        let passage = passage.up_to(world, &stretches, length);
+        let passage = if witness.wants_passage() {
+            passage.up_to(world, &stretches, length)
+        } else {
+            f64::NAN
+        };
         self.stretches = stretches;
         Flight { end, passage }
     }

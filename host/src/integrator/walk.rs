@@ -237,6 +237,9 @@ pub(crate) fn walk<D: Draws>(
     counts: &mut Counts,
     mut visit: impl FnMut(&mut D, &Tentative) -> Next,
 ) -> bool {
+    if let [only] = *stretches {
+        return walk_one(world, ray, only, draws, counts, visit);
+    }
     let mut waiting = stretches.iter().peekable();
     let mut running: Vec<Running<'_>> = Vec::new();
     let through = loop {
@@ -259,6 +262,33 @@ pub(crate) fn walk<D: Draws>(
         running[index].redraw(draws);
         if !running[index].advance(counts) {
             running.swap_remove(index);
+        }
+    };
+    draws.end_nulls();
+    through
+}
+
+/// [`walk`] on a single stretch: nothing to be merged, and no list to be kept.
+fn walk_one<D: Draws>(
+    world: &World,
+    ray: &Ray,
+    stretch: Stretch,
+    draws: &mut D,
+    counts: &mut Counts,
+    mut visit: impl FnMut(&mut D, &Tentative) -> Next,
+) -> bool {
+    let Some(mut running) = Running::new(world, ray, stretch, draws, counts) else {
+        draws.end_nulls();
+        return true;
+    };
+    let through = loop {
+        let tentative = running.look(world, ray, draws, counts);
+        if visit(draws, &tentative) == Next::Stop {
+            break false;
+        }
+        running.redraw(draws);
+        if !running.advance(counts) {
+            break true;
         }
     };
     draws.end_nulls();

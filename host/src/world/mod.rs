@@ -4,6 +4,7 @@
 mod boundaries;
 mod crossing;
 mod extent;
+mod gains;
 mod locate;
 mod medium;
 mod needs;
@@ -14,8 +15,8 @@ mod work;
 pub use boundaries::{Boundaries, Sides};
 pub(crate) use medium::PacketSource;
 pub use medium::{
-    Beyond, BrickTables, CloudDensity, CloudField, Details, Emission, EmissiveVoxel, Field, Local,
-    Medium, PhaseFunction, Support, Tables,
+    Beyond, BrickTables, CloudDensity, CloudField, Details, Emission, EmissiveVoxel, Field, Held,
+    Local, Medium, PhaseFunction, Support, Tables, held,
 };
 pub use needs::{Decision, Feature, Need, Needs};
 pub use work::LIMIT as COLLISION_LIMIT;
@@ -388,12 +389,12 @@ fn scalar_needed(
         n => format!("{n} lights at points or with pictures"),
     };
     needs.decide(Feature::LocalLights, local > 0, &[], reason);
-    let shining = media.iter().filter(|medium| medium.is_emissive()).count();
-    let reason = match shining {
+    let glowing = media.iter().filter(|medium| medium.is_emissive()).count();
+    let reason = match glowing {
         0 => "no medium shines".to_owned(),
         n => format!("{n} media shine"),
     };
-    needs.decide(Feature::Emission, shining > 0, &[], reason);
+    needs.decide(Feature::Emission, glowing > 0, &[], reason);
     let beyond_packets = |medium: &&Medium| !medium.is_plain() && !lit_in_packets;
     let detailed = media.iter().filter(beyond_packets).count();
     let mixed = overlaps && needs.runs(Feature::Chromatic);

@@ -6,6 +6,8 @@
 
 use std::fmt;
 
+use super::gains;
+
 /// A piece of work that not every scene needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Feature {
@@ -219,12 +221,13 @@ impl fmt::Display for Needs {
                 Decision::Skipped => "skipped",
                 Decision::Kept => "kept",
             };
-            writeln!(
-                f,
-                "{:<24}{decision:<10}{}",
-                need.feature.name(),
-                need.reason
-            )?;
+            let name = need.feature.name();
+            write!(f, "{name:<24}{decision:<10}{}", need.reason)?;
+            let skipped = need.decision == Decision::Skipped;
+            if let Some((scene, cost)) = gains::cost(need.feature).filter(|_| skipped) {
+                write!(f, " (measured: gains {cost:.2}x on `{scene}`)")?;
+            }
+            writeln!(f)?;
         }
         Ok(())
     }

@@ -9,6 +9,7 @@
 use rayon::prelude::*;
 use std::ops::Range;
 use woodcock_core::path::PathSample;
+use woodcock_core::points::REPLICATE;
 use woodcock_core::stream::{Key, PathStream, Stream};
 use woodcock_host::drive::{Silent, Watch};
 use woodcock_host::film::{Allotment, Film, Landing, Place, Places, Window};
@@ -66,11 +67,13 @@ trait Source: Sync {
 
 impl Source for Studio {
     fn pass(&self, film: &mut Film, seed: u64, samples: Range<u32>, allotment: Option<&Allotment>) {
-        let plan = Plan {
+        let mut plan = Plan {
             seed,
             replicate: film.replicate(),
             ..self.plan
         };
+        // Points that depend on each other come in replicates of their own size only.
+        plan.settings.points &= plan.replicate == REPLICATE;
         render_allotted(&self.world, &plan, film, samples, allotment, &Silent);
     }
 }
@@ -191,7 +194,8 @@ fn deviate((covered, all): (u32, u32)) -> f64 {
     (f64::from(covered) - NOMINAL * all) / (NOMINAL * (1.0 - NOMINAL) * all).sqrt()
 }
 
-/// What is known of a source: the means of the blocks, and the relative variance of a sample as the target's error has it.
+/// What is known of a source: the means of the blocks, and the relative variance of a sample as the target's error has it: samples
+/// times the variance of their mean.
 #[derive(Clone, Copy, Debug)]
 struct Truth {
     means: [f64; 2],
@@ -199,11 +203,11 @@ struct Truth {
 }
 
 /// The truth of a scene by long renders: so many samples that its own error is nothing beside that of the pictures.
-fn measured(source: &dyn Source, renders: usize) -> Truth {
+fn measured(source: &dyn Source, replicate: u32, renders: usize) -> Truth {
     let sums: Vec<[f64; 6]> = (0..renders)
         .into_par_iter()
         .map(|i| {
-            let film = fixed(source, 1, seed_of(i, 9), 256);
+            let film = fixed(source, replicate, seed_of(i, 9), 256);
             let mut pixels = vec![[0.0; 6]; film.window().pixels() as usize];
             for (x, y, pixel) in film.pixels() {
                 let [vr, vg, vb] = pixel.variance_of_mean().expect("many samples");
@@ -237,9 +241,9 @@ fn measured(source: &dyn Source, renders: usize) -> Truth {
 }
 
 /// Asserts that intervals cover and that targets are kept, with samples one by one and in replicates.
-fn assert_honest(name: &str, source: &dyn Source, truth: Truth, error: f64) {
+fn assert_honest(name: &str, source: &dyn Source, truths: [Truth; 2], error: f64) {
     let renders = samples(RENDERS);
-    for replicate in [1, 16] {
+    for (replicate, truth) in [1, REPLICATE].into_iter().zip(truths) {
         let plain: Vec<_> = (0..renders)
             .into_par_iter()
             .map(|i| blocks(&fixed(source, replicate, seed_of(i, 1), 128)))
@@ -286,7 +290,7 @@ fn assert_honest(name: &str, source: &dyn Source, truth: Truth, error: f64) {
 #[test]
 fn intervals_of_rare_light_cover_and_targets_are_kept() {
     let light = RareLight([0.02, 0.3]);
-    assert_honest("rare light", &light, light.truth(), 0.5);
+    assert_honest("rare light", &light, [light.truth(); 2], 0.5);
 }
 
 #[test]
@@ -322,11 +326,12 @@ fn dark_blocks_do_not_stop_early_and_the_planted_mistake_is_seen() {
 #[test]
 fn intervals_of_paths_cover_and_targets_are_kept() {
     let studio = studio();
-    let truth = measured(&studio, samples(RENDERS));
-    // An error that takes about 150 samples in the noisier block.
-    let [thin, haze] = truth.relative;
-    assert!(thin.max(haze) > 1.3 * thin.min(haze), "{truth:?}");
-    assert_honest("paths", &studio, truth, (thin.max(haze) / 150.0).sqrt());
+    let truths = [1, REPLICATE].map(|replicate| measured(&studio, replicate, samples(RENDERS / 4)));
+    // An error that takes about 150 independent samples in the noisier block.
+    let [thin, haze] = truths[0].relative;
+    assert!(thin.max(haze) > 1.3 * thin.min(haze), "{truths:?}");
+    let error = (thin.max(haze) / 150.0).sqrt();
+    assert_honest("paths", &studio, truths, error);
 }
 
 /// Uniform numbers in [0, 1) of a stream.

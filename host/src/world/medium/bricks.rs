@@ -135,6 +135,11 @@ impl BrickTables {
         (4 * self.codes.len() / BRICK_SAMPLES).saturating_sub(1)
     }
 
+    /// Samples of the bricks that hold matter.
+    pub fn samples(&self) -> u64 {
+        (self.present() * BRICK_SAMPLES) as u64
+    }
+
     /// Whether samples are in half precision.
     pub fn is_half(&self) -> bool {
         matches!(self.exact, ExactTable::Half(_))

@@ -15,6 +15,7 @@ mod cloud;
 mod details;
 mod emission;
 mod field;
+mod held;
 mod local;
 mod noise;
 mod packets;
@@ -29,6 +30,7 @@ pub use cloud::{CloudDensity, CloudField};
 pub use details::Details;
 pub use emission::Emission;
 pub use field::{Beyond, Field};
+pub use held::{Held, held};
 pub use local::Local;
 pub(crate) use packets::PacketSource;
 pub use phase::PhaseFunction;
@@ -36,7 +38,7 @@ pub(super) use samples::rows;
 pub use voxels::EmissiveVoxel;
 
 use glam::{DAffine3, DMat3, DVec3};
-use woodcock_core::path::{BRICK_SAMPLES, MediumRecord, OneGrid, RecordKind, Store};
+use woodcock_core::path::{MediumRecord, OneGrid, RecordKind, Store};
 
 /// Samples and bounds of all grids of a scene, one after the other.
 #[derive(Clone, Debug, Default)]
@@ -107,7 +109,7 @@ impl Tables {
     /// How many samples, and how many bytes hold all tables.
     pub fn size(&self) -> (u64, u64) {
         let samples = match &self.bricks {
-            Some(bricks) => (bricks.present() * BRICK_SAMPLES) as u64,
+            Some(bricks) => bricks.samples(),
             None => self.samples.len() as u64,
         };
         let numbers = self.samples.len()

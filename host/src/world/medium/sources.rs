@@ -180,6 +180,18 @@ fn scalar<'a>(grids: &'a [vdb::Grid], names: &[String], name: &str) -> Result<Sc
     })
 }
 
+/// The density of a grid, dense; `None` where it cannot be one, or takes too much memory.
+pub(super) fn density(grid: &vdb::Grid, limits: &Limits) -> Option<Samples> {
+    let voxels = grid.voxels().ok().filter(|v| v.components() == 1)?;
+    let scalar = Scalar {
+        name: &grid.name,
+        voxels,
+        to_medium: grid.transform.affine()?,
+    };
+    let renderable = grid.unreadable().is_none();
+    renderable.then(|| dense(scalar, limits, |_| ()).ok()?)?
+}
+
 /// The density of a grid, dense.
 fn dense(
     grid: Scalar<'_>,

@@ -142,7 +142,7 @@ fn a_walk_that_leaps_meets_the_same_bounds() {
     for edge in EDGES {
         let without = bounds(&grid, edge);
         let with = with_leaps(&grid, edge);
-        // A planted mistake: one octant's leaps are a block too long where they are short.
+        // A planted mistake: leaps are a block too long.
         let too_long: Vec<f32> = with
             .iter()
             .map(|entry| {
@@ -281,7 +281,7 @@ fn the_cost_is_that_of_rays_from_everywhere() {
             crossings / f64::from(number),
             collisions / f64::from(number),
         );
-        // The model knows nothing of rays that end at the faces, nor of cubes that overlap.
+        // Other rays, and whole chords instead of their latter parts: they begin in the rim's cubes.
         let ratio = crossings / cost.crossings;
         assert!(
             (0.7..1.35).contains(&ratio),

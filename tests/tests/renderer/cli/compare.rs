@@ -34,7 +34,7 @@ fn rendered() -> Folder {
         (
             "small.exr",
             "fog.pbrt",
-            &["--seed", "7", "--resolution", "8x6"],
+            &["--seed", "7", "--spp", "64", "--resolution", "8x6"],
         ),
     ] {
         folder.done(&[&["render", scene, "-q", "-o", name], more].concat());

@@ -14,6 +14,14 @@ use woodcock_host::scene::MemoryFiles;
 use woodcock_host::world::{self, Feature};
 use woodcock_tests::pictures::*;
 
+/// The same medium, sending out light.
+fn shining(medium: &str) -> String {
+    medium.replace(
+        "\"uniformgrid\"",
+        "\"uniformgrid\" \"rgb Le\" [ 0.9 0.5 0.2 ] \"float Lescale\" 1.5",
+    )
+}
+
 struct Case {
     name: &'static str,
     camera: String,
@@ -70,6 +78,44 @@ fn cases() -> Vec<Case> {
             &inside,
             uniform_grid("m", [19, 8, 13], unit, lumps, &tinted()) + &block("m", "", unit),
             &[Feature::EnvironmentNextEvent],
+        ),
+        case(
+            "grid of nearly grey colours",
+            &far,
+            uniform_grid(
+                "m",
+                [19, 8, 13],
+                unit,
+                lumps,
+                &coloured([0.1, 0.2, 0.3], [3.0, 2.9, 2.8], 0.5),
+            ) + &block("m", "", unit),
+            &[],
+        ),
+        case(
+            "grid that absorbs",
+            &far,
+            uniform_grid("m", [19, 8, 13], unit, lumps, &grey(3.0, 0.0, 0.0))
+                + &block("m", "", unit),
+            &[],
+        ),
+        case(
+            "ball that absorbs in colour",
+            &far,
+            homogeneous("m", &coloured([0.3, 0.9, 2.0], [0.0; 3], 0.0))
+                + &ball("m", "", [0.0; 3], 1.0),
+            &[],
+        ),
+        case(
+            "grid that shines",
+            &far,
+            shining(&uniform_grid(
+                "m",
+                [19, 8, 13],
+                unit,
+                lumps,
+                &grey(4.0, 0.5, 0.3),
+            )) + &block("m", "", unit),
+            &[],
         ),
         case(
             "several that overlap",

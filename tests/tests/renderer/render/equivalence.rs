@@ -132,6 +132,30 @@ fn what_is_kept_changes_no_mean() {
                 + &block("m", "", [[-2.0; 3], [2.0; 3]]),
             volume("cloud_zip.vdb"),
         ),
+        (
+            "grid in colour",
+            uniform_grid(
+                "m",
+                [9, 8, 7],
+                UNIT,
+                lumps,
+                &coloured([0.2, 0.4, 0.9], [1.0, 2.0, 3.0], 0.3),
+            ) + &block("m", "", UNIT),
+            MemoryFiles::new(),
+        ),
+        (
+            "grid that absorbs",
+            uniform_grid("m", [9, 8, 7], UNIT, lumps, &grey(1.5, 0.0, 0.0)) + &block("m", "", UNIT),
+            MemoryFiles::new(),
+        ),
+        (
+            "grid that shines",
+            uniform_grid("m", [9, 8, 7], UNIT, lumps, &grey(1.5, 0.5, 0.3)).replace(
+                "\"uniformgrid\"",
+                "\"uniformgrid\" \"rgb Le\" [ 0.9 0.5 0.2 ] \"float Lescale\" 1.5",
+            ) + &block("m", "", UNIT),
+            MemoryFiles::new(),
+        ),
     ];
     for (name, world, files) in worlds {
         let reference = picture_with(&world, files.clone(), &[], 41, 96);

@@ -1,0 +1,203 @@
+//! Requests on their way to lanes.
+
+use woodcock_core::path::{Counts, Geometry, PathSample, Scene, Start, Stretch};
+use woodcock_core::points::{self, LaneStrata, Strata};
+use woodcock_core::ray::{Interval, Ray};
+use woodcock_core::stream::{Key, KeyedStream};
+use woodcock_core::vec3::Vec3;
+
+use crate::bits::LaneStream;
+use crate::lanes::{LANES, LaneMask, LaneWords, Lanes};
+use crate::trace::PathRequest;
+
+/// What new paths begin with, by lane: written one by one, read all at once.
+#[derive(Debug, Default)]
+pub(crate) struct Next {
+    pub(crate) place: [[f32; LANES]; 2],
+    pub(crate) state: [[u32; LANES]; 2],
+    pub(crate) strata: [[u32; LANES]; 2],
+}
+
+impl Next {
+    #[inline(always)]
+    pub(crate) fn set(&mut self, lane: usize, request: &PathRequest) {
+        let state = request.key.initial_state();
+        self.place[0][lane] = request.x as f32;
+        self.place[1][lane] = request.y as f32;
+        self.state[0][lane] = state as u32;
+        self.state[1][lane] = (state >> 32) as u32;
+    }
+
+    /// The streams, pixels and strata of the given lanes.
+    #[inline(always)]
+    pub(crate) fn begin(&self, lanes: LaneMask) -> (LaneStream, [Lanes; 2], LaneStrata<LaneWords>) {
+        let mut stream = LaneStream::idle();
+        let [low, high] = self.state.map(LaneWords::new);
+        stream.set_states(low, high, lanes);
+        let strata = LaneStrata::new(self.strata.map(LaneWords::new));
+        (stream, self.place.map(Lanes::new), strata)
+    }
+
+    #[inline(always)]
+    pub(crate) fn set_strata(&mut self, lane: usize, strata: Strata) {
+        let [low, high] = strata.words();
+        self.strata[0][lane] = low;
+        self.strata[1][lane] = high;
+    }
+}
+
+/// Paths that stand ready, as plain numbers: one by one they move to free lanes.
+#[derive(Debug, Default)]
+pub(crate) struct Ready {
+    /// Origin and direction of each ray, beginning and end of its first stretch.
+    numbers: [[f32; LANES]; 8],
+    medium: [u32; LANES],
+    pub(crate) state: [[u32; LANES]; 2],
+    strata: [[u32; LANES]; 2],
+}
+
+impl Ready {
+    fn new(start: &Start<Lanes>, stream: &LaneStream) -> Self {
+        let [o, d] = [start.ray.origin, start.ray.direction];
+        let Interval { t0, t1 } = start.first.interval;
+        Self {
+            numbers: [o.x, o.y, o.z, d.x, d.y, d.z, t0, t1].map(Lanes::to_array),
+            medium: start.first.medium.to_array(),
+            state: stream.states(),
+            strata: start.strata.words().map(LaneWords::to_array),
+        }
+    }
+
+    #[inline(always)]
+    pub(crate) fn copy(&mut self, lane: usize, from: &Self, place: usize) {
+        for (to, from) in self.numbers.iter_mut().zip(&from.numbers) {
+            to[lane] = from[place];
+        }
+        self.medium[lane] = from.medium[place];
+        for half in 0..2 {
+            self.state[half][lane] = from.state[half][place];
+            self.strata[half][lane] = from.strata[half][place];
+        }
+    }
+
+    #[inline(always)]
+    pub(crate) fn start(&self, found: LaneMask) -> Start<Lanes> {
+        let [ox, oy, oz, dx, dy, dz, t0, t1] = self.numbers.map(Lanes::new);
+        Start {
+            ray: Ray {
+                origin: Vec3::new(ox, oy, oz),
+                direction: Vec3::new(dx, dy, dz),
+            },
+            first: Stretch {
+                interval: Interval { t0, t1 },
+                medium: LaneWords::new(self.medium),
+                found,
+            },
+            strata: LaneStrata::new(self.strata.map(LaneWords::new)),
+        }
+    }
+}
+
+/// Requests on their way to lanes. Camera rays are made eight at a time, and those that meet no medium go no further.
+pub(crate) struct Queue<I> {
+    requests: I,
+    asked: usize,
+    bank: Bank,
+    next: Next,
+    pub(crate) ready: Ready,
+    pub(crate) owners: [usize; LANES],
+    /// Places of `ready` that wait, one bit each.
+    waiting: u32,
+}
+
+impl<I: Iterator<Item = PathRequest>> Queue<I> {
+    pub(crate) fn new(requests: impl IntoIterator<IntoIter = I>) -> Self {
+        Self {
+            requests: requests.into_iter(),
+            asked: 0,
+            bank: Bank::default(),
+            next: Next::default(),
+            ready: Ready::default(),
+            owners: [0; LANES],
+            waiting: 0,
+        }
+    }
+
+    /// The place of a path that stands ready; `None` when all requests are under way. The samples of rays that meet
+    /// nothing land at once.
+    #[inline(always)]
+    pub(crate) fn next<M, G: Geometry<Lanes> + ?Sized>(
+        &mut self,
+        scene: &Scene<'_, M, G>,
+        counts: &mut Counts,
+        land: &mut impl FnMut(usize, PathSample),
+    ) -> Option<usize> {
+        while self.waiting == 0 {
+            if !self.fill(scene, counts, land) {
+                return None;
+            }
+        }
+        let place = self.waiting.trailing_zeros() as usize;
+        self.waiting &= self.waiting - 1;
+        Some(place)
+    }
+
+    /// Makes the next eight camera rays ready; whether there were any.
+    #[inline(never)]
+    fn fill<M, G: Geometry<Lanes> + ?Sized>(
+        &mut self,
+        scene: &Scene<'_, M, G>,
+        counts: &mut Counts,
+        land: &mut impl FnMut(usize, PathSample),
+    ) -> bool {
+        let mut begun = 0;
+        while begun < LANES {
+            let Some(request) = self.requests.next() else {
+                break;
+            };
+            self.next.set(begun, &request);
+            if scene.settings.points {
+                self.next.set_strata(begun, self.bank.strata(request.key));
+            }
+            self.owners[begun] = self.asked;
+            self.asked += 1;
+            begun += 1;
+        }
+        let lanes = LaneMask::from_bits((1 << begun) - 1);
+        let (mut stream, place, strata) = self.next.begin(lanes);
+        let start = Start::new(scene, place, strata, &mut stream, lanes);
+        self.ready = Ready::new(&start, &stream);
+        self.waiting = start.first.found.bits();
+        let missed = PathSample {
+            radiance: scene.lights.environment,
+            alpha: 0.0,
+        };
+        for lane in (0..begun).filter(|lane| self.waiting >> lane & 1 == 0) {
+            counts.paths += 1;
+            land(self.owners[lane], missed);
+        }
+        begun > 0
+    }
+}
+
+/// The strata of the replicate that was asked for last: paths come in the order of their samples.
+#[derive(Debug, Default)]
+pub(crate) struct Bank {
+    of: Option<Key>,
+    strata: [Strata; points::REPLICATE as usize],
+}
+
+impl Bank {
+    #[inline]
+    pub(crate) fn strata(&mut self, key: Key) -> Strata {
+        let first = Key {
+            sample: key.sample / points::REPLICATE,
+            ..key
+        };
+        if self.of != Some(first) {
+            self.of = Some(first);
+            self.strata = points::replicate(key);
+        }
+        self.strata[(key.sample % points::REPLICATE) as usize]
+    }
+}
