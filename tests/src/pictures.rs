@@ -7,6 +7,7 @@ use std::ops::Range;
 use std::path::Path;
 
 use woodcock_core::path::{Counts, ShadowEstimator};
+use woodcock_core::points::REPLICATE;
 use woodcock_host::drive::Silent;
 use woodcock_host::film::Film;
 use woodcock_host::render::{Kernel, Plan, render_pass};
@@ -244,10 +245,10 @@ pub fn try_stage(
         Kernel::Packet,
         woodcock_host::integrator::Integrator::Path,
         crate::stats::seed(1),
-        ShadowEstimator::Ratio,
+        ShadowEstimator::ByNeed,
         None,
     );
-    Ok(Studio { world, plan })
+    Ok(Studio { world, plan }.apart())
 }
 
 /// Assembles a scene that has no files.
@@ -300,6 +301,22 @@ impl Studio {
         self.shoot_range(0..n)
     }
 
+    /// The same with samples that are independent of each other: what pictures of few samples need for their variance.
+    #[must_use]
+    fn apart(mut self) -> Self {
+        self.plan.replicate = 1;
+        self.plan.settings.points = false;
+        self
+    }
+
+    /// The same with points shared out among the samples of a replicate, as users get it.
+    #[must_use]
+    pub fn pointed(mut self) -> Self {
+        self.plan.replicate = REPLICATE;
+        self.plan.settings.points = true;
+        self
+    }
+
     /// The same with other random numbers.
     #[must_use]
     pub fn seeded(mut self, base: u64) -> Self {
@@ -343,7 +360,7 @@ impl Picture {
             let at = window.index(x, y);
             mean[at] = pixel.mean()[channel];
             variance[at] = pixel.variance_of_mean().map_or(f64::NAN, |v| v[channel]);
-            samples = pixel.samples();
+            samples = pixel.independent();
         }
         ImageMoments::new(width, mean, variance, samples.into())
     }

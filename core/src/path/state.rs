@@ -60,6 +60,8 @@ pub struct Paths<R: Real, W, S, const CHROMATIC: bool, const ANY_RAYLEIGH: bool>
     /// What the shadow ray's light brings, but for its transmittance, which is `weight`.
     direct: Vec3<R>,
     weight: Vec3<R>,
+    /// The part of the throughput that was not lost but scored as what passes.
+    forced: R,
     /// Below this weight the shadow ray plays roulette, and survives with it.
     floor: R,
     depth: R::Word,
@@ -124,6 +126,7 @@ where
             radiance: zero,
             direct: zero,
             weight: zero,
+            forced: R::one(),
             floor: R::zero(),
             depth: R::Word::splat(0),
             pdf: R::zero(),
@@ -215,6 +218,7 @@ where
         self.first = Stretch::select(lanes, &start.first, &self.first);
         self.strata = LaneStrata::select(lanes, start.strata, self.strata);
         self.throughput = Vec3::select(lanes, Vec3::uniform(1.0), self.throughput);
+        self.forced = R::select(lanes, R::one(), self.forced);
         self.radiance = Vec3::select(lanes, Vec3::uniform(0.0), self.radiance);
         self.depth = R::Word::select(lanes, R::Word::splat(0), self.depth);
         self.pdf = R::select(lanes, R::splat(CERTAIN), self.pdf);
@@ -318,14 +322,14 @@ where
     #[inline(always)]
     fn begin_flight<M, G: ?Sized>(&mut self, scene: &Scene<'_, M, G>, length: R, lanes: R::Mask) {
         if scene.settings.points {
+            self.opening = self.opening.and_not(lanes);
             // Further stretches of a ray draw anew: what the first took is spent.
             let first = lanes.and_not(self.shadow) & self.cursor.eq(R::Word::splat(0));
             let (early, word) = self.flight_digits(first);
             if early.any() {
                 let mut stream = Stratified::<R, S, 1>::new(&mut self.stream, [word], early);
                 self.tracker.begin(length, &mut stream, lanes);
-                self.opening =
-                    self.opening.and_not(lanes) | (early & self.depth.eq(R::Word::splat(0)));
+                self.opening = self.opening | (early & self.depth.eq(R::Word::splat(0)));
                 return;
             }
         }
@@ -360,6 +364,7 @@ where
         let radiance = self.radiance + (self.throughput * passes).times(sky);
         self.radiance = Vec3::select(lanes, radiance, self.radiance);
         self.throughput = Vec3::select(lanes, self.throughput * share, self.throughput);
+        self.forced = R::select(lanes, self.forced * share, self.forced);
         self.finish(escapes, Stage::Enter);
         let hits = lanes.and_not(escapes);
         let number = u64::from(hits.count());
@@ -597,8 +602,14 @@ where
         let mut alive = self.depth.lt(limit) & lanes;
         self.depth = self.depth + R::Word::from_mask(lanes);
         let throughput = self.throughput.times(self.hit.albedo);
+        // What flights were made to leave is not lost: only losses play roulette, or paths that lose nothing would be noisy.
+        let left = if M::TIGHT && !CHROMATIC && scene.settings.forced {
+            throughput.max_component() / self.forced
+        } else {
+            throughput.max_component()
+        };
         let factor = collision::roulette(
-            throughput.max_component(),
+            left,
             R::splat(scene.settings.roulette),
             &mut self.stream,
             alive,

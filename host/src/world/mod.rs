@@ -172,8 +172,6 @@ impl World {
             } else {
                 faint(&self.media)
             },
-            // What a flight leaves is small where most of it has passed and been scored, and not because it is lost.
-            roulette: if forced { 0.03 } else { all.roulette },
             ..all
         }
     }
@@ -462,7 +460,7 @@ fn path_needed(
     let spread = spread(media);
     let alike = spread < COLOURS_APART;
     let reason = match (needs.runs(Feature::Chromatic), alike) {
-        (false, _) => "extinction is grey".to_owned(),
+        (false, _) => "extinction is grey: nothing to share".to_owned(),
         (true, true) => {
             format!("extinction differs between colours by a factor of {spread:.2} only")
         }
@@ -473,7 +471,7 @@ fn path_needed(
         }
     };
     let chromatic = needs.runs(Feature::Chromatic);
-    let shared = needs.decide(Feature::SharedPaths, !chromatic || alike, keep, reason);
+    let shared = needs.decide(Feature::SharedPaths, chromatic && alike, keep, reason);
     let grey = !(chromatic && shared);
     let escapes = !needs.runs(Feature::EnvironmentNextEvent);
     let reason = match (scatters, one, grey, escapes) {

@@ -186,7 +186,7 @@ impl Needs {
 
     /// Whether packets trace a path for each colour, grey.
     pub(crate) fn colours_apart(&self) -> bool {
-        self.in_packets() && !self.runs(Feature::SharedPaths)
+        self.in_packets() && self.runs(Feature::Chromatic) && !self.runs(Feature::SharedPaths)
     }
 
     /// Whether the code of a feature runs.

@@ -41,26 +41,42 @@ fn assert_refused(text: &str, files: MemoryFiles, words: &[&str]) {
 #[test]
 fn scenes_need_what_they_have() {
     let ball_of = |matter: &Matter| homogeneous("m", matter) + &ball("m", "", [0.0; 3], 1.0);
-    let needs: [(&str, String, &[&str]); 6] = [
+    let needs: [(&str, String, &[&str]); 8] = [
         ("sky alone", String::new(), &[]),
-        ("a ball", ball_of(&grey(1.0, 0.5, 0.0)), &[]),
+        ("a ball", ball_of(&grey(1.0, 0.5, 0.0)), &["scattering"]),
+        ("a ball that absorbs", ball_of(&grey(1.0, 0.0, 0.0)), &[]),
+        (
+            "in colours nearly alike",
+            ball_of(&coloured([1.0, 1.1, 1.2], [1.0; 3], 0.0)),
+            &["chromatic", "scattering", "shared-paths", "free-passage"],
+        ),
         (
             "in colour",
             ball_of(&coloured([1.0, 2.0, 3.0], [1.0; 3], 0.0)),
-            &["chromatic"],
+            &["chromatic", "scattering"],
         ),
         (
             "colour of the albedo alone",
             ball_of(&coloured([1.0, 2.0, 3.0], [3.0, 2.0, 1.0], 0.0)),
-            &[],
+            &["scattering"],
         ),
-        ("rayleigh", ball_of(&rayleigh(1.0, 0.5)), &["rayleigh"]),
+        (
+            "rayleigh",
+            ball_of(&rayleigh(1.0, 0.5)),
+            &["rayleigh", "scattering"],
+        ),
         (
             "a grid cut by its ball, and a sun",
             sun([0.0, 1.0, 0.0], [1.0; 3])
                 + &uniform_grid("m", [4; 3], UNIT, |_| 1.0, &grey(1.0, 0.5, 0.0))
                 + &ball("m", "", [0.0; 3], 1.0),
-            &["tracking", "boundaries", "next-event"],
+            &[
+                "tracking",
+                "boundaries",
+                "next-event",
+                "scattering",
+                "free-passage",
+            ],
         ),
     ];
     for (name, world, expected) in needs {

@@ -139,7 +139,7 @@ fn what_is_kept_changes_no_mean() {
                 [9, 8, 7],
                 UNIT,
                 lumps,
-                &coloured([0.2, 0.4, 0.9], [1.0, 2.0, 3.0], 0.3),
+                &coloured([0.2, 0.3, 0.5], [1.5, 2.0, 2.5], 0.3),
             ) + &block("m", "", UNIT),
             MemoryFiles::new(),
         ),
@@ -164,6 +164,11 @@ fn what_is_kept_changes_no_mean() {
             let name = format!("{name}, keeping {}", feature.name());
             assert_same_picture(&name, &kept, &reference, 0.01);
         }
+        // As users get it: variance is that of replicates.
+        let text = scene(&view(), [32, 32], &(lights() + &world));
+        let pointed = stage_with(&text, files.clone(), &[]).seeded(49).pointed();
+        let name_of_points = format!("{name}, with points");
+        assert_same_picture(&name_of_points, &pointed.shoot(512), &reference, 0.01);
         let all: Vec<_> = super::keepable().collect();
         let kept = picture_with(&world, files, &all, 50, 64);
         assert_same_picture(&format!("{name}, keeping all"), &kept, &reference, 0.01);
