@@ -384,23 +384,21 @@ mod tests {
         }
     }
 
-    /// The points of two paths of a replicate lie in different strata, and otherwise anywhere (nested scrambling):
-    /// P(same half) = 7/15 for all pairs of paths.
+    /// All 2¹⁵ scramblings: numbers share as many leading digits as before, and each number becomes each other equally often.
     #[test]
     fn scrambling_is_nested_and_fair() {
-        let n = 30_000;
-        for (i, j) in [(0, 1), (3, 12), (7, 8)] {
-            let same = (0..n)
-                .filter(|pixel| {
-                    let p = replicate(key(*pixel, 0));
-                    p[i].of(Choice::Cosine0) >> 3 == p[j].of(Choice::Cosine0) >> 3
-                })
-                .count();
-            let p = 7.0 / 15.0;
-            let deviation = (f64::from(n) * p * (1.0 - p)).sqrt();
-            // The shuffle is uneven by a few percent of a percent.
-            assert!((same as f64 - f64::from(n) * p).abs() < 5.0 * deviation + 0.01 * f64::from(n));
+        let mut became = [[0_u32; 16]; 16];
+        for tree in 0..1 << 15 {
+            let table = scrambling(tree);
+            for a in 0..16 {
+                became[a as usize][digit(table, a) as usize] += 1;
+                for b in 0..a {
+                    let apart = digit(table, a) ^ digit(table, b);
+                    assert_eq!(apart.leading_zeros(), (a ^ b).leading_zeros(), "{tree:x}");
+                }
+            }
         }
+        assert_eq!(became, [[1 << 11; 16]; 16]);
     }
 
     #[test]

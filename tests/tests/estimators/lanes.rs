@@ -129,7 +129,8 @@ impl Visitor for Equality {
             if endless {
                 lit == 0
             } else {
-                lit > scalar.len() / 20
+                // Faint shadow rays are traced by chance.
+                lit > scalar.len() / 50
             },
             "{name}: {lit} paths brought light"
         );

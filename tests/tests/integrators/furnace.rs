@@ -25,7 +25,7 @@ const fn depth(integrator: Integrator) -> u32 {
     match integrator {
         Integrator::Bdpt => 96,
         Integrator::Mlt => 64,
-        _ => 160,
+        _ => 320,
     }
 }
 

@@ -224,22 +224,25 @@ fn slabs_reflect_and_transmit() {
                 [mistaken; 3],
             )];
             let apart = (mistaken / truth - 1.0).abs() > 0.5 && mistaken > 0.01;
-            Trial {
-                by: if seen % 2 == 0 {
-                    &[Path, Bdpt]
-                } else {
-                    &[Path]
-                },
-                replicates: 32,
-                resolution: 0.03,
-                wrong: &wrong[..usize::from(apart)],
-                ..Trial::new(
-                    &format!("slab {i}, {name}"),
-                    &scene(&camera, [32, 32], &(light + &matter)),
-                    [truth; 3],
-                )
+            let ways: &[(&[Integrator], u32)] = if seen % 2 == 0 {
+                &[(&[Path], 128), (&[Bdpt], 32)]
+            } else {
+                &[(&[Path], 128)]
+            };
+            for &(by, replicates) in ways {
+                Trial {
+                    by,
+                    replicates,
+                    resolution: 0.03,
+                    wrong: &wrong[..usize::from(apart)],
+                    ..Trial::new(
+                        &format!("slab {i}, {name}"),
+                        &scene(&camera, [32, 32], &(light.clone() + &matter)),
+                        [truth; 3],
+                    )
+                }
+                .run();
             }
-            .run();
         }
         seen += 1;
     }
