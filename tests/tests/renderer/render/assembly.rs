@@ -76,6 +76,7 @@ fn scenes_need_what_they_have() {
                 "next-event",
                 "scattering",
                 "free-passage",
+                "dense-grid",
             ],
         ),
     ];
