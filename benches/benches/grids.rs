@@ -82,10 +82,13 @@ impl<R: Real, M: Tapped<R>> Process<R, M> for Decided<R, M::Walk> {
 
 type Values = Vec<Vec<f32>>;
 
+/// What flies rays through a medium, and counts.
+type Fly<'a> = Box<dyn Fn(&Work, &mut Values) + 'a>;
+
 /// A way to fly, and how long it took.
 struct Row<'a> {
     name: String,
-    fly: Box<dyn Fn(&Work, &mut Values) + 'a>,
+    fly: Fly<'a>,
     values: Values,
     times: Times,
 }
@@ -180,8 +183,11 @@ fn table(title: &str, rows: &mut [Row<'_>], work: &Work, rounds: usize) {
     }
 }
 
+/// Edges of blocks, and the bounds of each.
+type Levels = Vec<(u32, Vec<f32>)>;
+
 /// Bounds of a grid in blocks of each edge, with leaps.
-fn levels(samples: &[f32], dims: [u32; 3]) -> Result<Vec<(u32, Vec<f32>)>, Box<dyn Error>> {
+fn levels(samples: &[f32], dims: [u32; 3]) -> Result<Levels, Box<dyn Error>> {
     let count = |edge| majorant_count_of(dims, edge).ok_or("too many blocks");
     let mut tables = vec![vec![0.0; count(EDGES[0])?]];
     let [x, y, _] = block_counts(dims, EDGES[0]).map(|n| n as usize + 2);

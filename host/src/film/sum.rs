@@ -89,7 +89,7 @@ impl BinnedSum {
         self.add_scaled(u64::from(mantissa), exponent, x.is_sign_negative());
     }
 
-    /// Adds the sum of several finite samples, if it has been found without rounding: see [`exact_sums`].
+    /// Adds the sum of several finite samples, if it has been found without rounding.
     #[inline]
     pub fn add_exact(&mut self, sum: f64) {
         let bits = sum.to_bits();

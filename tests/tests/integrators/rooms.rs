@@ -227,8 +227,8 @@ fn cavities_are_evenly_bright() {
     let (low, high) = ([-1.0; 3], [1.0; 3]);
     let back = |v: Xyz| v.map(|c| -c);
     // All normals inwards.
-    let sides = quad(low, y, x).replace("Shape", "Shape")
-        + &quad(low, x, z).replace("Shape", "Shape")
+    let sides = quad(low, y, x)
+        + &quad(low, x, z)
         + &quad(low, z, y)
         + &quad(high, back(x), back(y))
         + &quad(high, back(z), back(x))
