@@ -14,6 +14,8 @@ pub const fn block_counts(dims: [u32; 3], edge: u32) -> [u32; 3] {
 /// Blocks along an axis of `samples` samples, without the rim.
 #[inline]
 pub(crate) const fn blocks(samples: u32, edge: u32) -> u32 {
+    // No grid has blocks of nothing; total, as walks begin with it.
+    let edge = if edge == 0 { 1 } else { edge };
     samples.saturating_sub(1).div_ceil(edge)
 }
 
