@@ -48,15 +48,7 @@ impl<R: woodcock_core::real::Real> Geometry<R> for Nothing {
         _: R::Word,
         _: R::Mask,
     ) -> woodcock_core::path::Stretch<R> {
-        use woodcock_core::real::{Mask, Word};
-        woodcock_core::path::Stretch {
-            interval: woodcock_core::ray::Interval {
-                t0: R::zero(),
-                t1: R::zero(),
-            },
-            medium: R::Word::splat(0),
-            found: R::Mask::splat(false),
-        }
+        woodcock_core::path::Stretch::none()
     }
 }
 
@@ -201,9 +193,7 @@ where
 struct Trace<'a, 'r> {
     plan: &'a Plan,
     absorbs: bool,
-    requests: &'a Requests<'r>,
-    /// Of all random numbers; in place of the requests' own.
-    seed: u64,
+    requests: Requests<'r>,
     land: &'a mut dyn FnMut(usize, PathSample),
 }
 
@@ -217,11 +207,7 @@ impl Job for Trace<'_, '_> {
         M: AnyMedium,
         G: Geometry<f32> + Geometry<Lanes> + Sync + ?Sized,
     {
-        let seed = self.seed;
-        let requests = self.requests.iter().map(|mut request| {
-            request.key.seed = seed;
-            request
-        });
+        let requests = self.requests.iter();
         match (self.plan.kernel, self.absorbs) {
             (Kernel::Packet, false) => {
                 trace::trace::<M, G, CHROMATIC, RAYLEIGH>(scene, requests, self.land)
@@ -278,31 +264,27 @@ fn add_colour(sample: &mut PathSample, colour: usize, path: &PathSample) {
 pub(crate) fn trace(
     world: &World,
     plan: &Plan,
-    requests: &Requests<'_>,
+    requests: Requests<'_>,
     paths: &mut [PathSample],
 ) -> Counts {
     let absorbs = plan.absorbs(world);
     let mut counts = Counts::default();
     if !world.needs.colours_apart() {
         let land = &mut |index: usize, path| paths[index] = path;
-        let seed = plan.seed;
         let job = Trace {
             plan,
             absorbs,
             requests,
-            seed,
             land,
         };
         return with_kernel(world, plan, None, job);
     }
     for colour in 0..3 {
         let land = &mut |index: usize, path| add_colour(&mut paths[index], colour, &path);
-        let seed = seed_of(plan.seed, colour);
         let job = Trace {
             plan,
             absorbs,
-            requests,
-            seed,
+            requests: requests.seeded(seed_of(plan.seed, colour)),
             land,
         };
         counts.add(&with_kernel(world, plan, Some(colour), job));

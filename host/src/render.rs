@@ -182,7 +182,7 @@ pub(crate) fn trace_tile(
     plan: &Plan,
     places: &Places,
     tile: &mut Tile,
-    trace: impl FnOnce(&Requests<'_>, &mut [PathSample]) -> Counts,
+    trace: impl FnOnce(Requests<'_>, &mut [PathSample]) -> Counts,
 ) -> Counts {
     let requests = Requests {
         world,
@@ -190,7 +190,7 @@ pub(crate) fn trace_tile(
         places,
     };
     let mut paths = vec![PathSample::default(); places.len()];
-    let counts = trace(&requests, &mut paths);
+    let counts = trace(requests, &mut paths);
     let mut rest = paths.as_slice();
     for (x, y, samples) in places.pixels() {
         let mut first = samples.start;
@@ -206,6 +206,7 @@ pub(crate) fn trace_tile(
 }
 
 /// The paths that a tile asks for in a pass.
+#[derive(Clone, Copy)]
 pub(crate) struct Requests<'a> {
     world: &'a World,
     seed: u64,
@@ -213,8 +214,13 @@ pub(crate) struct Requests<'a> {
 }
 
 impl Requests<'_> {
+    /// The same with other random numbers.
+    pub(crate) fn seeded(self, seed: u64) -> Self {
+        Self { seed, ..self }
+    }
+
     /// Pixel by pixel, each pixel's samples in order.
-    pub(crate) fn iter(&self) -> impl Iterator<Item = PathRequest> {
+    pub(crate) fn iter(self) -> impl Iterator<Item = PathRequest> {
         let mut pixels = self.places.pixels();
         let (mut x, mut y, mut samples) = (0, 0, 0..0);
         std::iter::from_fn(move || {

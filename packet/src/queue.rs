@@ -28,6 +28,25 @@ impl Next {
         self.state[1][lane] = (state >> 32) as u32;
     }
 
+    /// Takes as many requests as there are lanes, or the last of them, and says how many; with strata where there is
+    /// a bank.
+    #[inline(always)]
+    pub(crate) fn take(
+        &mut self,
+        requests: &mut impl Iterator<Item = PathRequest>,
+        mut bank: Option<&mut Bank>,
+    ) -> usize {
+        let mut taken = 0;
+        for (lane, request) in requests.take(LANES).enumerate() {
+            self.set(lane, &request);
+            if let Some(bank) = &mut bank {
+                self.set_strata(lane, bank.strata(request.key));
+            }
+            taken = lane + 1;
+        }
+        taken
+    }
+
     /// The streams, pixels and strata of the given lanes.
     #[inline(always)]
     pub(crate) fn begin(&self, lanes: LaneMask) -> (LaneStream, [Lanes; 2], LaneStrata<LaneWords>) {
@@ -150,19 +169,13 @@ impl<I: Iterator<Item = PathRequest>> Queue<I> {
         counts: &mut Counts,
         land: &mut impl FnMut(usize, PathSample),
     ) -> bool {
-        let mut begun = 0;
-        while begun < LANES {
-            let Some(request) = self.requests.next() else {
-                break;
-            };
-            self.next.set(begun, &request);
-            if scene.settings.points {
-                self.next.set_strata(begun, self.bank.strata(request.key));
-            }
-            self.owners[begun] = self.asked;
-            self.asked += 1;
-            begun += 1;
+        let bank = scene.settings.points.then_some(&mut self.bank);
+        let begun = self.next.take(&mut self.requests, bank);
+        if begun == 0 {
+            return false;
         }
+        self.owners = core::array::from_fn(|lane| self.asked + lane);
+        self.asked += begun;
         let lanes = LaneMask::from_bits((1 << begun) - 1);
         let (mut stream, place, strata) = self.next.begin(lanes);
         let start = Start::new(scene, place, strata, &mut stream, lanes);
@@ -176,7 +189,7 @@ impl<I: Iterator<Item = PathRequest>> Queue<I> {
             counts.paths += 1;
             land(self.owners[lane], missed);
         }
-        begun > 0
+        true
     }
 }
 

@@ -104,23 +104,13 @@ where
     let mut requests = requests.into_iter();
     let mut done = 0;
     loop {
-        let mut begun = 0;
-        for (lane, request) in requests.by_ref().take(LANES).enumerate() {
-            next.set(lane, &request);
-            if scene.settings.points {
-                next.set_strata(lane, bank.strata(request.key));
-            }
-            begun = lane + 1;
-        }
+        let bank = scene.settings.points.then_some(&mut bank);
+        let begun = next.take(&mut requests, bank);
         if begun == 0 {
             return counts;
         }
         let lanes = LaneMask::from_bits((1 << begun) - 1);
-        let mut stream = LaneStream::idle();
-        let [low, high] = next.state.map(LaneWords::new);
-        stream.set_states(low, high, lanes);
-        let strata = LaneStrata::new(next.strata.map(LaneWords::new));
-        let place = next.place.map(Lanes::new);
+        let (mut stream, place, strata) = next.begin(lanes);
         let found = path::absorb::<Lanes, M, G, CHROMATIC>(
             scene,
             place,

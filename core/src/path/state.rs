@@ -168,6 +168,11 @@ where
         &self.counts
     }
 
+    /// The same, to add what is done outside of lanes.
+    pub fn counts_mut(&mut self) -> &mut Counts {
+        &mut self.counts
+    }
+
     /// What the path of a finished lane brings.
     #[inline]
     pub fn sample(&self, lane: usize) -> PathSample {
@@ -192,11 +197,6 @@ where
     fn count_step(&mut self) {
         self.counts.steps += 1;
         self.counts.busy_lanes += u64::from(self.running().count());
-    }
-
-    /// The same, for what is done outside of lanes.
-    pub fn counts_mut(&mut self) -> &mut Counts {
-        &mut self.counts
     }
 
     /// Begins paths in the given lanes, whose streams have been given their keys.

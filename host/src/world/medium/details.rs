@@ -76,10 +76,12 @@ pub struct Details {
 impl Details {
     /// Whether there are none.
     pub(super) fn is_empty(&self) -> bool {
-        self.shares.is_none()
-            && self.albedo.is_none()
-            && self.cloud.is_none()
-            && self.emission.is_none()
+        self.is_light_alone() && self.emission.is_none()
+    }
+
+    /// Whether there are none but light from within.
+    pub(super) fn is_light_alone(&self) -> bool {
+        self.shares.is_none() && self.albedo.is_none() && self.cloud.is_none()
     }
 
     /// Light from within, if there is.

@@ -53,7 +53,7 @@ pub struct Tables {
     pub controls: [Vec<f32>; 2],
 }
 
-/// From how many samples on a grid is better kept in bricks: `bench tracking` compares.
+/// From how many samples on a grid is better kept in bricks: the bench `grids` compares.
 pub(super) const BRICKS_FROM: usize = 1 << 22;
 
 impl Tables {

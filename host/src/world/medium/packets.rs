@@ -76,11 +76,12 @@ pub(crate) struct PacketSource {
 impl Medium {
     /// Whether all that packet kernels cannot do of it, with a [`PacketSource`] beside them, is nothing.
     pub(in crate::world) fn is_plain_but_for_light(&self) -> bool {
-        let dark =
-            |d: &super::Details| d.shares.is_none() && d.albedo.is_none() && d.cloud.is_none();
         self.phase.is_plain()
             && matches!(self.record.kind, RecordKind::Grid { .. })
-            && self.details.as_deref().is_none_or(dark)
+            && self
+                .details
+                .as_deref()
+                .is_none_or(super::Details::is_light_alone)
     }
 
     /// Its light for packets; `None` where there is none, or where packets cannot render the medium otherwise.
