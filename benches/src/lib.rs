@@ -10,6 +10,7 @@ pub mod picture;
 pub mod plot;
 pub mod profile;
 pub mod relative;
+pub mod vdb;
 pub mod yardstick;
 
 use std::time::Instant;
