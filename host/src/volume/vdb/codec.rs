@@ -51,35 +51,63 @@ pub(in crate::volume) fn read_chunk(
     codec: Codec,
     out: &mut [u8],
 ) -> Result<(), VdbError> {
-    const WHAT: &str = "a chunk of voxel values";
-    if codec == Codec::Stored {
-        out.copy_from_slice(cursor.take(out.len(), WHAT)?);
-        return Ok(());
-    }
     let start = cursor.offset();
     let damaged = |what: String| VdbError::Damaged {
         offset: start,
         what,
     };
+    match (chunk(cursor, codec, out.len())?, codec) {
+        (Chunk::Stored(bytes), _) => {
+            out.copy_from_slice(bytes);
+            Ok(())
+        }
+        (Chunk::Packed(bytes), Codec::Blosc) => blosc::decompress(bytes, out).map_err(damaged),
+        (Chunk::Packed(bytes), _) => inflate(bytes, out).map_err(damaged),
+    }
+}
+
+/// Moves behind a chunk that unfolds to so many bytes, if what is inside does.
+pub(in crate::volume) fn skip_chunk(
+    cursor: &mut Cursor<'_>,
+    codec: Codec,
+    unfolded: usize,
+) -> Result<(), VdbError> {
+    chunk(cursor, codec, unfolded).map(|_| ())
+}
+
+/// The bytes of a chunk.
+enum Chunk<'a> {
+    Stored(&'a [u8]),
+    Packed(&'a [u8]),
+}
+
+fn chunk<'a>(
+    cursor: &mut Cursor<'a>,
+    codec: Codec,
+    unfolded: usize,
+) -> Result<Chunk<'a>, VdbError> {
+    const WHAT: &str = "a chunk of voxel values";
+    if codec == Codec::Stored {
+        return cursor.take(unfolded, WHAT).map(Chunk::Stored);
+    }
+    let start = cursor.offset();
     let size = cursor.i64("the size of a chunk")?;
     if size <= 0 {
         // Not worth compressing: stored, which the sign tells.
-        if size.unsigned_abs() != out.len() as u64 {
-            return Err(damaged(format!(
-                "a stored chunk has {} bytes where its node needs {}",
-                size.unsigned_abs(),
-                out.len()
-            )));
+        if size.unsigned_abs() != unfolded as u64 {
+            return Err(VdbError::Damaged {
+                offset: start,
+                what: format!(
+                    "a stored chunk has {} bytes where its node needs {unfolded}",
+                    size.unsigned_abs()
+                ),
+            });
         }
-        out.copy_from_slice(cursor.take(out.len(), WHAT)?);
-        return Ok(());
+        return cursor.take(unfolded, WHAT).map(Chunk::Stored);
     }
     cursor.need(size.unsigned_abs(), WHAT)?;
-    let packed = cursor.take(usize::try_from(size).unwrap_or(usize::MAX), WHAT)?;
-    match codec {
-        Codec::Blosc => blosc::decompress(packed, out).map_err(damaged),
-        _ => inflate(packed, out).map_err(damaged),
-    }
+    let size = usize::try_from(size).unwrap_or(usize::MAX);
+    cursor.take(size, WHAT).map(Chunk::Packed)
 }
 
 /// Unfolds a zlib stream into exactly `out`: one byte more or less is an error, so a bomb costs nothing.

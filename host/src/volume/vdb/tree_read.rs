@@ -154,6 +154,10 @@ fn upper<T: Voxel>(
     Ok(node)
 }
 
+/// Leaves in a row that one thread unfolds.
+const RUN: usize = 64;
+
+/// Reads the values of all leaves: finds where each run of them lies first, then unfolds runs side by side.
 fn leaves<T: Voxel>(
     cursor: &mut Cursor<'_>,
     budget: &mut Budget,
@@ -165,13 +169,58 @@ fn leaves<T: Voxel>(
     cursor.need(leaves as u64 * 65, "the leaves")?;
     let total = leaves as u64 * LEAF_VOXELS as u64;
     budget.charge(total * size_of::<T>() as u64, "the leaves")?;
-    tree.leaf_values = filled(tree.background, total, "the leaves")?;
-    let mut mask = Vec::new();
-    let slots = tree.leaf_values.chunks_exact_mut(LEAF_VOXELS);
-    for (slot, leaf_mask) in slots.zip(&mut tree.leaf_masks) {
-        read_mask(cursor, LEAF_VOXELS, &mut mask)?;
-        leaf_mask.copy_from_slice(&mask);
-        T::read_leaf(cursor, values, &mask, tree.background, slot)?;
-    }
+    let background = tree.background;
+    // What is wrong with a leaf is told of the first one, whether its place or its content shows it.
+    let (runs, place) = runs(cursor, values, background, leaves);
+    let mut unfolded = filled(background, total, "the leaves")?;
+    let work = |slots: &mut [T], masks: &mut [[u64; 8]], mut run: Cursor<'_>| {
+        let mut reader = values.clone();
+        let mut mask = Vec::new();
+        for (slot, leaf_mask) in slots.chunks_exact_mut(LEAF_VOXELS).zip(masks) {
+            read_mask(&mut run, LEAF_VOXELS, &mut mask)?;
+            leaf_mask.copy_from_slice(&mask);
+            T::read_leaf(&mut run, &mut reader, &mask, background, slot)?;
+        }
+        Ok(())
+    };
+    let voxels = RUN * LEAF_VOXELS;
+    #[cfg(feature = "rayon")]
+    let content = {
+        use rayon::prelude::*;
+        let slots = unfolded.par_chunks_mut(voxels);
+        let pieces = slots.zip(tree.leaf_masks.par_chunks_mut(RUN)).zip(runs);
+        let done: Vec<_> = pieces.map(|((slots, masks), run)| work(slots, masks, run)).collect();
+        done.into_iter().collect::<Result<(), _>>()
+    };
+    #[cfg(not(feature = "rayon"))]
+    let content = {
+        let slots = unfolded.chunks_mut(voxels);
+        let mut pieces = slots.zip(tree.leaf_masks.chunks_mut(RUN)).zip(runs);
+        pieces.try_for_each(|((slots, masks), run)| work(slots, masks, run))
+    };
+    content.and(place)?;
+    tree.leaf_values = unfolded;
     Ok(())
+}
+
+/// Cursors at the first leaf of each run, up to the first leaf whose end is not found, and why it is not.
+fn runs<'a, T: Voxel>(
+    cursor: &mut Cursor<'a>,
+    values: &mut ValueReader,
+    background: T,
+    leaves: usize,
+) -> (Vec<Cursor<'a>>, Result<(), VdbError>) {
+    let mut runs = Vec::new();
+    let mut mask = Vec::new();
+    for leaf in 0..leaves {
+        if leaf.is_multiple_of(RUN) {
+            runs.push(cursor.clone());
+        }
+        let skipped = read_mask(cursor, LEAF_VOXELS, &mut mask)
+            .and_then(|()| T::skip_leaf(cursor, values, &mask, background, LEAF_VOXELS));
+        if skipped.is_err() {
+            return (runs, skipped);
+        }
+    }
+    (runs, Ok(()))
 }

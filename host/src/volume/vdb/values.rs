@@ -2,7 +2,7 @@
 
 use super::VdbError;
 use super::bytes::Cursor;
-use super::codec::{Compression, read_chunk};
+use super::codec::{Compression, read_chunk, skip_chunk};
 use half::f16;
 
 /// A type that voxels may have.
@@ -33,6 +33,17 @@ pub(in crate::volume) trait Voxel:
         reader.read(cursor, active, background, out)
     }
 
+    /// Moves behind the values of one leaf; its mask has been read.
+    fn skip_leaf(
+        cursor: &mut Cursor<'_>,
+        reader: &mut ValueReader,
+        active: &[u64],
+        background: Self,
+        voxels: usize,
+    ) -> Result<(), VdbError> {
+        reader.skip(cursor, active, background, voxels)
+    }
+
     /// Equality for finding what need not be stored: NaN is the same as NaN.
     fn same(self, other: Self) -> bool {
         (0..Self::COMPONENTS).all(|n| self.component(n).to_bits() == other.component(n).to_bits())
@@ -55,6 +66,7 @@ macro_rules! scalar_and_vector {
             const SIZE: usize = $size;
             const COMPONENTS: usize = 1;
             const REAL: bool = $real;
+            #[inline]
             fn from_le(bytes: &[u8]) -> Self {
                 <$scalar>::from_le_bytes(word(bytes))
             }
@@ -73,6 +85,7 @@ macro_rules! scalar_and_vector {
             const SIZE: usize = 3 * $size;
             const COMPONENTS: usize = 3;
             const REAL: bool = $real;
+            #[inline]
             fn from_le(bytes: &[u8]) -> Self {
                 std::array::from_fn(|n| <$scalar>::from_le_bytes(word(&bytes[n * $size..])))
             }
@@ -119,12 +132,22 @@ impl Voxel for bool {
         _: Self,
         out: &mut [Self],
     ) -> Result<(), VdbError> {
-        cursor.i32x3("the origin of a leaf")?;
-        read_mask(cursor, out.len(), &mut reader.selection)?;
+        Self::skip_leaf(cursor, reader, &[], false, out.len())?;
         for (n, value) in out.iter_mut().enumerate() {
             *value = bit(&reader.selection, n);
         }
         Ok(())
+    }
+
+    fn skip_leaf(
+        cursor: &mut Cursor<'_>,
+        reader: &mut ValueReader,
+        _: &[u64],
+        _: Self,
+        voxels: usize,
+    ) -> Result<(), VdbError> {
+        cursor.i32x3("the origin of a leaf")?;
+        read_mask(cursor, voxels, &mut reader.selection)
     }
 }
 
@@ -168,7 +191,7 @@ pub(in crate::volume) fn read_mask(
 }
 
 /// What the values of one grid have in common, and scratch memory for reading them.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(in crate::volume) struct ValueReader {
     compression: Compression,
     half: bool,
@@ -195,6 +218,61 @@ impl ValueReader {
         background: T,
         out: &mut [T],
     ) -> Result<(), VdbError> {
+        let Inactive {
+            off,
+            on,
+            selects,
+            masked,
+        } = self.inactive(cursor, background, out.len())?;
+        let stored = if masked { count(active) } else { out.len() };
+        let width = self.width::<T>();
+        self.bytes.resize(stored * width, 0);
+        if self.has_chunk::<T>(stored) {
+            read_chunk(cursor, self.compression.codec, &mut self.bytes)?;
+        }
+        let decode = if self.halves::<T>() { T::from_half } else { T::from_le };
+        let mut values = self.bytes.chunks_exact(width).map(decode);
+        if stored == out.len() {
+            for (slot, value) in out.iter_mut().zip(values) {
+                *slot = value;
+            }
+            return Ok(());
+        }
+        for (n, slot) in out.iter_mut().enumerate() {
+            *slot = if bit(active, n) {
+                values.next().unwrap_or(background)
+            } else if selects && bit(&self.selection, n) {
+                on
+            } else {
+                off
+            };
+        }
+        Ok(())
+    }
+
+    /// Moves behind the values of a node of so many entries without unfolding them.
+    pub(in crate::volume) fn skip<T: Voxel>(
+        &mut self,
+        cursor: &mut Cursor<'_>,
+        active: &[u64],
+        background: T,
+        entries: usize,
+    ) -> Result<(), VdbError> {
+        let inactive = self.inactive(cursor, background, entries)?;
+        let stored = if inactive.masked { count(active) } else { entries };
+        if self.has_chunk::<T>(stored) {
+            skip_chunk(cursor, self.compression.codec, stored * self.width::<T>())?;
+        }
+        Ok(())
+    }
+
+    /// What precedes the chunk of a node; the mask that selects goes to `selection`.
+    fn inactive<T: Voxel>(
+        &mut self,
+        cursor: &mut Cursor<'_>,
+        background: T,
+        entries: usize,
+    ) -> Result<Inactive<T>, VdbError> {
         // What the inactive values are, and which mask chooses between two of them:
         //   0 background          1 −background      2 one value        3 −background or background
         //   4 one or background   5 one or another   6 anything: all values are stored
@@ -215,28 +293,43 @@ impl ValueReader {
         }
         let selects = matches!(kind, 3..=5);
         if selects {
-            read_mask(cursor, out.len(), &mut self.selection)?;
+            read_mask(cursor, entries, &mut self.selection)?;
         }
-        let masked = self.compression.active_mask && kind != 6;
-        let stored = if masked { count(active) } else { out.len() };
-        let half = self.half && T::REAL;
-        let width = if half { 2 * T::COMPONENTS } else { T::SIZE };
-        self.bytes.resize(stored * width, 0);
-        // Of zero halves not even an empty chunk is written.
-        if !(half && stored == 0) {
-            read_chunk(cursor, self.compression.codec, &mut self.bytes)?;
-        }
-        let decode = if half { T::from_half } else { T::from_le };
-        let mut values = self.bytes.chunks_exact(width).map(decode);
-        for (n, slot) in out.iter_mut().enumerate() {
-            *slot = if !masked || bit(active, n) {
-                values.next().unwrap_or(background)
-            } else if selects && bit(&self.selection, n) {
-                on
-            } else {
-                off
-            };
-        }
-        Ok(())
+        Ok(Inactive {
+            off,
+            on,
+            selects,
+            masked: self.compression.active_mask && kind != 6,
+        })
     }
+
+    /// Whether values are stored as half floats.
+    fn halves<T: Voxel>(&self) -> bool {
+        self.half && T::REAL
+    }
+
+    /// Bytes of a stored value.
+    fn width<T: Voxel>(&self) -> usize {
+        if self.halves::<T>() {
+            2 * T::COMPONENTS
+        } else {
+            T::SIZE
+        }
+    }
+
+    /// Of zero halves not even an empty chunk is written.
+    fn has_chunk<T: Voxel>(&self, stored: usize) -> bool {
+        !(self.halves::<T>() && stored == 0)
+    }
+}
+
+/// What the values are that a node leaves out.
+struct Inactive<T> {
+    /// Where the selection is clear or there is none, and where it is set.
+    off: T,
+    on: T,
+    /// Whether there is a selection.
+    selects: bool,
+    /// Whether inactive values are left out at all.
+    masked: bool,
 }
