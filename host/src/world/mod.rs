@@ -634,11 +634,14 @@ fn assemble_media(
                 .iter()
                 .any(|b| b.inside == id || b.outside == id)
     };
+    let in_one_table = |kept: &Feature| matches!(kept, Feature::DenseGrid | Feature::SeveralMedia);
     let around = Surroundings {
         origin,
         exposure: scene.film.imaging_ratio,
         files,
         limits: &options.limits,
+        alone: !options.keep.iter().any(in_one_table)
+            && (0..scene.media.len()).filter(|id| used(*id)).count() == 1,
     };
     let mut assembled = Assembled {
         media: Vec::new(),

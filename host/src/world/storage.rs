@@ -15,8 +15,8 @@ pub(super) fn store(media: &[Medium], tables: &mut Tables, keep: &[Feature], nee
         }
         _ => None,
     };
-    let samples = tables.samples.len();
-    let large = alone.is_some() && samples >= BRICKS_FROM;
+    let samples = tables.box_samples();
+    let large = alone.is_some() && samples >= BRICKS_FROM as u64;
     let keep_dense = keep.contains(&Feature::DenseGrid);
     let reason = match (alone, large) {
         (None, _) => "not one plain grid".to_owned(),

@@ -29,6 +29,7 @@ pub(in crate::volume) mod blosc;
 mod blosclz;
 pub(in crate::volume) mod bytes;
 pub(in crate::volume) mod codec;
+mod cubes;
 mod error;
 pub(in crate::volume) mod grid;
 mod integral;

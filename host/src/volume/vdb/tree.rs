@@ -71,6 +71,8 @@ pub(in crate::volume) struct Found<T> {
     pub(in crate::volume) active: bool,
     /// The value holds in the whole aligned cube of 2^log2 voxels a side (0: just this voxel).
     pub(in crate::volume) log2: u32,
+    /// The leaf, where the value is a voxel's.
+    pub(in crate::volume) leaf: usize,
 }
 
 /// Index of an entry in a node of 2^(3·bits) entries of side 2^log2.
@@ -107,6 +109,7 @@ impl<T: Voxel> Tree<T> {
             value,
             active,
             log2,
+            leaf: 0,
         };
         let outside = found(self.background, false, ROOT);
         let key = ijk.map(|v| v >> ROOT);
@@ -128,6 +131,9 @@ impl<T: Voxel> Tree<T> {
             return found(lower.tile(n), bit(&lower.active, n), LOWER);
         };
         let n = entry(ijk, 0, 3);
-        found(self.leaf(child)[n], bit(&self.leaf_masks[child], n), 0)
+        Found {
+            leaf: child,
+            ..found(self.leaf(child)[n], bit(&self.leaf_masks[child], n), 0)
+        }
     }
 }

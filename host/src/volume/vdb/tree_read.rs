@@ -189,7 +189,9 @@ fn leaves<T: Voxel>(
         use rayon::prelude::*;
         let slots = unfolded.par_chunks_mut(voxels);
         let pieces = slots.zip(tree.leaf_masks.par_chunks_mut(RUN)).zip(runs);
-        let done: Vec<_> = pieces.map(|((slots, masks), run)| work(slots, masks, run)).collect();
+        let done: Vec<_> = pieces
+            .map(|((slots, masks), run)| work(slots, masks, run))
+            .collect();
         done.into_iter().collect::<Result<(), _>>()
     };
     #[cfg(not(feature = "rayon"))]

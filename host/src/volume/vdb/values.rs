@@ -230,7 +230,11 @@ impl ValueReader {
         if self.has_chunk::<T>(stored) {
             read_chunk(cursor, self.compression.codec, &mut self.bytes)?;
         }
-        let decode = if self.halves::<T>() { T::from_half } else { T::from_le };
+        let decode = if self.halves::<T>() {
+            T::from_half
+        } else {
+            T::from_le
+        };
         let mut values = self.bytes.chunks_exact(width).map(decode);
         if stored == out.len() {
             for (slot, value) in out.iter_mut().zip(values) {
@@ -259,7 +263,11 @@ impl ValueReader {
         entries: usize,
     ) -> Result<(), VdbError> {
         let inactive = self.inactive(cursor, background, entries)?;
-        let stored = if inactive.masked { count(active) } else { entries };
+        let stored = if inactive.masked {
+            count(active)
+        } else {
+            entries
+        };
         if self.has_chunk::<T>(stored) {
             skip_chunk(cursor, self.compression.codec, stored * self.width::<T>())?;
         }

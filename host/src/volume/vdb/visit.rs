@@ -8,14 +8,14 @@ use crate::volume::Limits;
 use std::ops::ControlFlow;
 
 /// A stored part of a tree. Inactive tiles of the background's value are not stored.
-enum Region<'a, T> {
+pub(super) enum Region<'a, T> {
     Tile { log2: u32, value: T, active: bool },
     Leaf { mask: &'a [u64; 8], values: &'a [T] },
 }
 
-type Visit<'v, T> = dyn FnMut([i64; 3], Region<'_, T>) -> ControlFlow<()> + 'v;
+pub(super) type Visit<'v, 't, T> = dyn FnMut([i64; 3], Region<'t, T>) -> ControlFlow<()> + 'v;
 
-fn visit<T: Voxel>(tree: &Tree<T>, f: &mut Visit<'_, T>) -> ControlFlow<()> {
+pub(super) fn visit<'t, T: Voxel>(tree: &'t Tree<T>, f: &mut Visit<'_, 't, T>) -> ControlFlow<()> {
     for (key, entry) in &tree.root {
         let origin = root_origin(*key);
         match *entry {
@@ -26,13 +26,13 @@ fn visit<T: Voxel>(tree: &Tree<T>, f: &mut Visit<'_, T>) -> ControlFlow<()> {
     ControlFlow::Continue(())
 }
 
-fn tile<T: Voxel>(
-    tree: &Tree<T>,
+fn tile<'t, T: Voxel>(
+    tree: &'t Tree<T>,
     origin: [i64; 3],
     log2: u32,
     value: T,
     active: bool,
-    f: &mut Visit<'_, T>,
+    f: &mut Visit<'_, 't, T>,
 ) -> ControlFlow<()> {
     if !active && value.same(tree.background) {
         return ControlFlow::Continue(());
@@ -45,11 +45,11 @@ fn tile<T: Voxel>(
     f(origin, region)
 }
 
-fn visit_upper<T: Voxel>(
-    tree: &Tree<T>,
+fn visit_upper<'t, T: Voxel>(
+    tree: &'t Tree<T>,
     upper: usize,
     origin: [i64; 3],
-    f: &mut Visit<'_, T>,
+    f: &mut Visit<'_, 't, T>,
 ) -> ControlFlow<()> {
     let node = &tree.upper[upper];
     for n in 0..1 << 15 {
@@ -62,11 +62,11 @@ fn visit_upper<T: Voxel>(
     ControlFlow::Continue(())
 }
 
-fn visit_lower<T: Voxel>(
-    tree: &Tree<T>,
+fn visit_lower<'t, T: Voxel>(
+    tree: &'t Tree<T>,
     lower: usize,
     origin: [i64; 3],
-    f: &mut Visit<'_, T>,
+    f: &mut Visit<'_, 't, T>,
 ) -> ControlFlow<()> {
     let node = &tree.lower[lower];
     for n in 0..1 << 12 {
@@ -85,7 +85,7 @@ fn visit_lower<T: Voxel>(
 }
 
 /// A box of voxels that grows, both ends inclusive.
-fn grow(bounds: &mut Option<([i64; 3], [i64; 3])>, min: [i64; 3], max: [i64; 3]) {
+pub(super) fn grow(bounds: &mut Option<([i64; 3], [i64; 3])>, min: [i64; 3], max: [i64; 3]) {
     let (low, high) = bounds.get_or_insert((min, max));
     for a in 0..3 {
         low[a] = low[a].min(min[a]);
@@ -154,7 +154,7 @@ pub(super) fn statistics<T: Voxel>(tree: &Tree<T>) -> Statistics {
 }
 
 /// The first component that is no extinction: NaN, infinite or negative.
-fn invalid<T: Voxel>(value: T) -> Option<f64> {
+pub(super) fn invalid<T: Voxel>(value: T) -> Option<f64> {
     (0..T::COMPONENTS)
         .map(|n| value.component(n))
         .find(|v| !v.is_finite() || *v < 0.0)

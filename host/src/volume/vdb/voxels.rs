@@ -1,8 +1,9 @@
 //! The values of a grid, whatever their type: look-ups in index space.
 
+use super::cubes::Box3;
 use super::tree::Tree;
 use super::values::Voxel;
-use super::{VdbError, integral, visit};
+use super::{VdbError, cubes, integral, visit};
 use crate::volume::Limits;
 use glam::DVec3;
 use half::f16;
@@ -155,7 +156,32 @@ impl Voxels {
     /// interpolation mixes them in.
     #[must_use]
     pub fn first_invalid(&self) -> Option<InvalidValue> {
-        with_tree!(self, tree => visit::first_invalid(tree))
+        with_tree!(self, tree => {
+            let clean = cubes::all_valid(tree);
+            (!clean).then(|| visit::first_invalid(tree)).flatten()
+        })
+    }
+
+    /// Box outside of which every value is the background's; that of [`Statistics`], without the rest.
+    pub(crate) fn stored_box(&self) -> Option<Box3> {
+        with_tree!(self, tree => cubes::bounds(tree, |v| !v.same(tree.background)))
+    }
+
+    /// Box outside of which no stored value differs from zero, as `f32`; the background is not asked.
+    pub(crate) fn visible_box(&self) -> Option<Box3> {
+        with_tree!(self, tree => cubes::bounds(tree, |v| single(v) != 0.0))
+    }
+
+    /// Which cubes of 8³ voxels may hold stored values above zero, as `f32`: all that do, and few others.
+    ///
+    /// * `low`: the first voxel of the first cube. `cubes`: of them along x, y, z. `marks`: one for each, x fastest; only set.
+    pub(crate) fn mark_cubes(&self, low: [i64; 3], cubes: [u32; 3], marks: &mut [bool]) {
+        with_tree!(self, tree => cubes::mark(tree, low, cubes, |v| single(v) > 0.0, marks));
+    }
+
+    /// The values of the cube of 8³ voxels that begins at `low`, as `f32`, x fastest; zeros beyond the voxel `high`.
+    pub(crate) fn cube(&self, low: [i64; 3], high: [i64; 3]) -> [f32; 512] {
+        with_tree!(self, tree => cubes::cube(tree, low, high, single))
     }
 
     /// Trilinear interpolation between the eight voxels around a point of index space, active or not. Component `n` of a
@@ -183,7 +209,7 @@ impl Voxels {
         max: [i64; 3],
         limits: &Limits,
     ) -> Result<Vec<f32>, VdbError> {
-        with_tree!(self, tree => visit::dense(tree, min, max, limits, |v| v.component(0) as f32))
+        with_tree!(self, tree => visit::dense(tree, min, max, limits, single))
     }
 
     /// [`to_dense`](Self::to_dense) of all components; a scalar three times.
@@ -201,6 +227,11 @@ impl Voxels {
             visit::dense(tree, min, max, limits, convert)
         })
     }
+}
+
+/// The first component in single precision.
+fn single<T: Voxel>(value: T) -> f32 {
+    value.component(0) as f32
 }
 
 fn component<T: Voxel>(value: T, n: usize) -> f64 {

@@ -13,8 +13,8 @@ use super::details::{Details, Share};
 use super::emission::{Emission, Radiance, Temperatures};
 use super::field::{Beyond, Field};
 use super::samples::{self, Samples};
-use super::sources::{self, FileGrids};
-use super::{Medium, PhaseFunction, Support, Tables};
+use super::sources::{self, FileGrids, Room};
+use super::{BRICKS_FROM, Medium, PhaseFunction, Support, Tables};
 use crate::scene::{
     self, Cloud, Files, MediumKind, NamedMedium, SceneError, TemperatureValues, Warning,
 };
@@ -30,6 +30,8 @@ pub(in crate::world) struct Surroundings<'a> {
     pub(in crate::world) files: &'a dyn Files,
     /// What reading may cost.
     pub(in crate::world) limits: &'a Limits,
+    /// Whether the medium is the scene's only one, and its samples may go to bricks at once.
+    pub(in crate::world) alone: bool,
 }
 
 impl Surroundings<'_> {
@@ -102,7 +104,7 @@ pub(in crate::world) fn assemble(
     let phase = PhaseFunction::new(&medium.phase).map_err(wrong)?;
     let mut record = record(medium, sigma_t, scale, &phase);
     let mut remarks = Vec::new();
-    let found = fill(medium, around, scale, &mut remarks).map_err(wrong)?;
+    let found = fill(medium, around, (scale, phase.is_plain()), &mut remarks).map_err(wrong)?;
     warnings.extend(
         remarks
             .into_iter()
@@ -216,10 +218,17 @@ fn bounding(record: &mut MediumRecord, shares: &[Share]) {
 fn fill(
     medium: &NamedMedium,
     around: &Surroundings<'_>,
-    scale: f64,
+    (scale, plain_phase): (f64, bool),
     remarks: &mut Vec<String>,
 ) -> Result<Option<Found>, String> {
     let limits = around.limits;
+    // Whatever scalar code keeps beside samples counts them in one table.
+    let plain = plain_phase && medium.emission.is_none();
+    let room = if around.alone && plain {
+        Room::Bricks { from: BRICKS_FROM }
+    } else {
+        Room::Table
+    };
     Ok(Some(match &medium.kind {
         MediumKind::Homogeneous => Filling::Homogeneous.into(),
         MediumKind::UniformGrid(grid) => Filling::Grid(cells::uniform(grid, limits)?).into(),
@@ -235,14 +244,14 @@ fn fill(
         MediumKind::OpenVdb(vdb) => {
             let temperature = temperature_grid(medium);
             let grids = around.read(&vdb.filename, remarks, |bytes, remark| {
-                sources::openvdb(bytes, &vdb.gridname, temperature, limits, remark)
+                sources::openvdb(bytes, (&vdb.gridname, room), temperature, limits, remark)
             })?;
             return Ok(of_file(grids));
         }
         MediumKind::NanoVdb(nano) => {
             let temperature = temperature_grid(medium);
             let grids = around.read(&nano.filename, remarks, |bytes, remark| {
-                sources::nanovdb(bytes, &nano.gridname, temperature, limits, remark)
+                sources::nanovdb(bytes, (&nano.gridname, room), temperature, limits, remark)
             })?;
             return Ok(of_file(grids));
         }

@@ -1,12 +1,14 @@
 //! Samples of a grid in bricks, as [`woodcock_core::path::Bricks`] borrows them.
 
+use std::ops::Range;
+
 use woodcock_core::path::{
     BRICK, BRICK_SAMPLES, Bricks, Exact, brick_counts, code, code_floor, half_to_single,
 };
 use woodcock_core::real::Word32;
 
 /// Samples of a grid, those of empty bricks only once.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct BrickTables {
     places: Vec<u32>,
     codes: Vec<u32>,
@@ -16,7 +18,7 @@ pub struct BrickTables {
 }
 
 /// The samples of bricks.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 enum ExactTable {
     Single(Vec<f32>),
     Half(Vec<u32>),
@@ -45,7 +47,7 @@ impl BrickTables {
     }
 
     /// * `present`: which bricks of the lattice hold matter. `read`: the samples of one of these.
-    fn new(
+    pub(super) fn new(
         dims: [u32; 3],
         present: &[bool],
         read: impl Fn(u32) -> Brick + Send + Sync,
@@ -114,11 +116,31 @@ impl BrickTables {
 
     /// The index of the sample at coordinates within the grid.
     pub fn index(&self, [x, y, z]: [u32; 3]) -> u32 {
-        let [nx, ny, _] = brick_counts(self.dims);
-        let brick = ((z / BRICK) * ny + y / BRICK) * nx + x / BRICK;
-        let place = self.places.get(brick as usize).copied().unwrap_or(0);
+        let place = self.place([x, y, z].map(|i| i / BRICK));
         let within = |i: u32| i % BRICK;
         place + within(x) + BRICK * (within(y) + BRICK * within(z))
+    }
+
+    /// Where the samples of a brick of the lattice begin; zero where they are zeros.
+    pub(super) fn place(&self, [x, y, z]: [u32; 3]) -> u32 {
+        let [nx, ny, _] = brick_counts(self.dims);
+        let brick = (z * ny + y) * nx + x;
+        self.places.get(brick as usize).copied().unwrap_or(0)
+    }
+
+    /// Appends the samples of adjoining indices.
+    pub(super) fn append_to(&self, found: &mut Vec<f32>, indices: Range<usize>) {
+        match &self.exact {
+            ExactTable::Single(samples) => {
+                found.extend_from_slice(samples.get(indices).unwrap_or_default());
+            }
+            ExactTable::Half(_) => found.extend(indices.map(|i| self.sample(i as u32))),
+        }
+    }
+
+    /// Samples along x, y, z.
+    pub fn dims(&self) -> [u32; 3] {
+        self.dims
     }
 
     /// Bytes of all tables.
@@ -210,7 +232,7 @@ fn of_dense(samples: &[f32], dims: [u32; 3], brick: [u32; 3]) -> Brick {
 }
 
 /// What a function makes of each number below `count`, in order, on all threads.
-fn each<T: Send>(count: u32, make: impl Fn(u32) -> T + Send + Sync) -> Vec<T> {
+pub(super) fn each<T: Send>(count: u32, make: impl Fn(u32) -> T + Send + Sync) -> Vec<T> {
     crate::render::map_all(count, make)
 }
 

@@ -4,7 +4,7 @@ use glam::{DAffine3, DMat3, DVec3};
 
 use super::details::Share;
 use super::field::{Beyond, Field};
-use super::samples::{Samples, padded};
+use super::samples::{Samples, Values, padded};
 use crate::scene::{RgbGrid, UniformGrid};
 use crate::volume::Limits;
 
@@ -65,7 +65,7 @@ impl CellBox {
         }
         let half = DVec3::splat(0.5);
         Ok(Samples {
-            values,
+            values: Values::Dense(values),
             shares: None,
             dims,
             to_medium: self.to_medium(1.0),

@@ -1,7 +1,10 @@
 //! What rendering would hold of a grid, for those who ask before they render.
 
 use super::bounds::Bounds;
+use super::brick_bounds;
 use super::bricks::BrickTables;
+use super::samples::Values;
+use super::sources::Room;
 use super::{BRICKS_FROM, samples, sources};
 use crate::volume::Limits;
 use crate::volume::vdb::Grid;
@@ -23,22 +26,32 @@ pub struct Held {
 
 /// What rendering would hold; `None` for what cannot be rendered as a density, or not within the limits.
 pub fn held(grid: &Grid, limits: &Limits) -> Option<Held> {
-    let samples = samples::trimmed(sources::density(grid, limits)?)?;
-    let (values, dims) = (samples.values, samples.dims);
+    let room = Room::Bricks { from: BRICKS_FROM };
+    let samples = samples::trimmed(sources::density(grid, room, limits)?)?;
+    let dims = samples.dims;
+    let box_samples = dims.iter().map(|n| u64::from(*n)).product();
     // The extinction is the scene's matter. In a thick medium blocks are smallest, and bounds take most room.
-    let bounds = Bounds::new(&values, dims, 1.0).ok()?;
-    let of_bounds = 3 * 4 * bounds.majorants.len() as u64;
-    let box_samples = values.len() as u64;
-    if values.len() < BRICKS_FROM {
-        return Some(Held {
-            box_samples,
-            samples: box_samples,
-            bytes: 4 * box_samples + of_bounds,
-            bricks: false,
-            half: false,
-        });
-    }
-    let bricks = BrickTables::of_dense(&values, dims)?;
+    let of_bounds = |bounds: &Bounds| 3 * 4 * bounds.majorants.len() as u64;
+    let bricks = match samples.values {
+        Values::Dense(values) => {
+            let of_bounds = of_bounds(&Bounds::new(&values, dims, 1.0).ok()?);
+            if values.len() < BRICKS_FROM {
+                return Some(Held {
+                    box_samples,
+                    samples: box_samples,
+                    bytes: 4 * box_samples + of_bounds,
+                    bricks: false,
+                    half: false,
+                });
+            }
+            (BrickTables::of_dense(&values, dims)?, of_bounds)
+        }
+        Values::Bricks(bricks) => {
+            let of_bounds = of_bounds(&brick_bounds::bounds(&bricks, 1.0).ok()?);
+            (*bricks, of_bounds)
+        }
+    };
+    let (bricks, of_bounds) = bricks;
     Some(Held {
         box_samples,
         samples: bricks.samples(),

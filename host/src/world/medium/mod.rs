@@ -9,6 +9,8 @@
 mod assembly;
 mod blackbody;
 mod bounds;
+mod brick_bounds;
+mod brick_leaves;
 mod bricks;
 mod cells;
 mod cloud;
@@ -77,18 +79,23 @@ impl Tables {
     ///
     /// * `record`: the grid's.
     pub fn fill_controls(&mut self, record: &MediumRecord) {
-        if let RecordKind::Grid { dims, edge, .. } = record.kind
-            && let Ok(controls) = bounds::controls(&self.samples, dims, edge)
-        {
-            self.controls = controls;
+        if let RecordKind::Grid { dims, edge, .. } = record.kind {
+            let controls = match &self.bricks {
+                Some(bricks) => brick_bounds::controls(bricks, edge),
+                None => bounds::controls(&self.samples, dims, edge),
+            };
+            if let Ok(controls) = controls {
+                self.controls = controls;
+            }
         }
     }
 
-    /// Puts the samples of the only grid into bricks; nothing happens where there is no table of them.
+    /// Puts the samples of the only grid into bricks; nothing happens where they are there.
     ///
     /// * `record`: the grid's.
     pub fn into_bricks(&mut self, record: &MediumRecord) {
         if let RecordKind::Grid { dims, .. } = record.kind
+            && self.bricks.is_none()
             && let Some(bricks) = BrickTables::of_dense(&self.samples, dims)
         {
             self.samples = Vec::new();
@@ -104,6 +111,14 @@ impl Tables {
         };
         let [minorants, means] = &self.controls;
         OneGrid::stored(record, store, &self.majorants).with_controls(minorants, means)
+    }
+
+    /// Samples in the boxes of all grids.
+    pub fn box_samples(&self) -> u64 {
+        let of_bricks =
+            |bricks: &BrickTables| bricks.dims().iter().map(|n| u64::from(*n)).product();
+        let in_bricks = self.bricks.as_deref().map_or(0, of_bricks);
+        in_bricks + self.samples.len() as u64
     }
 
     /// How many samples, and how many bytes hold all tables.

@@ -5,6 +5,8 @@ use woodcock_core::medium::Affine;
 use woodcock_core::path::RecordKind;
 
 use super::bounds::Bounds;
+use super::brick_bounds;
+use super::bricks::BrickTables;
 use super::details::Share;
 use super::{Support, Tables};
 use crate::scene::NamedMedium;
@@ -13,7 +15,7 @@ use crate::volume::Limits;
 /// A grid as a file or a scene gives it: samples at integer places of grid space, with a rim that
 /// interpolation to the outside needs.
 pub(super) struct Samples {
-    pub(super) values: Vec<f32>,
+    pub(super) values: Values,
     /// What each sample does by colour, where that differs between samples.
     pub(super) shares: Option<Vec<Share>>,
     pub(super) dims: [u32; 3],
@@ -24,12 +26,57 @@ pub(super) struct Samples {
     pub(super) high: DVec3,
 }
 
+/// How samples come.
+pub(super) enum Values {
+    /// x fastest.
+    Dense(Vec<f32>),
+    /// In bricks, without empty margins, for a scene whose only medium this is.
+    Bricks(Box<BrickTables>),
+}
+
+/// The part of the space of some samples that can be seen.
+pub(super) struct Trim {
+    /// First and last sample along each axis, the rim included.
+    pub(super) low: [usize; 3],
+    pub(super) high: [usize; 3],
+}
+
+impl Trim {
+    pub(super) fn dims(&self) -> [usize; 3] {
+        std::array::from_fn(|i| self.high[i] - self.low[i] + 1)
+    }
+
+    /// These samples of a grid whose own dimensions and place are given.
+    pub(super) fn samples(
+        &self,
+        values: Values,
+        shares: Option<Vec<Share>>,
+        (to_medium, low, high): (DAffine3, DVec3, DVec3),
+    ) -> Samples {
+        let size = self.dims();
+        let corner = DVec3::from_array(self.low.map(|i| i as f64));
+        let extent = DVec3::from_array(size.map(|n| (n - 1) as f64));
+        Samples {
+            values,
+            shares,
+            dims: size.map(|n| n as u32),
+            to_medium: to_medium * DAffine3::from_translation(corner),
+            low: (low - corner).max(DVec3::ZERO),
+            high: (high - corner).min(extent),
+        }
+    }
+}
+
 /// The samples without the empty margins that files carry around what can be seen, but with the rim that
 /// interpolation fades out in. `None` where every sample is zero.
 pub(super) fn trimmed(samples: Samples) -> Option<Samples> {
+    let table = match &samples.values {
+        Values::Bricks(_) => return Some(samples),
+        Values::Dense(table) => table,
+    };
     let [nx, ny, nz] = samples.dims.map(|d| d as usize);
     let (mut low, mut high) = ([usize::MAX; 3], [0; 3]);
-    for (row, values) in samples.values.chunks_exact(nx).enumerate() {
+    for (row, values) in table.chunks_exact(nx).enumerate() {
         // Not `!= 0`: a NaN must stay, to be reported.
         let first = values.iter().position(|v| !(*v == 0.0));
         let last = values.iter().rposition(|v| !(*v == 0.0));
@@ -48,21 +95,12 @@ pub(super) fn trimmed(samples: Samples) -> Option<Samples> {
     }
     let low = low.map(|i| i.saturating_sub(1));
     let high: [usize; 3] = std::array::from_fn(|i| (high[i] + 1).min([nx, ny, nz][i] - 1));
-    let size: [usize; 3] = std::array::from_fn(|i| high[i] - low[i] + 1);
-    let values = cropped(&samples.values, [nx, ny], low, high);
+    let values = cropped(table, [nx, ny], low, high);
     let shares = samples
         .shares
         .map(|shares| cropped(&shares, [nx, ny], low, high));
-    let corner = DVec3::from_array(low.map(|i| i as f64));
-    let extent = DVec3::from_array(size.map(|n| (n - 1) as f64));
-    Some(Samples {
-        values,
-        shares,
-        dims: size.map(|n| n as u32),
-        to_medium: samples.to_medium * DAffine3::from_translation(corner),
-        low: (samples.low - corner).max(DVec3::ZERO),
-        high: (samples.high - corner).min(extent),
-    })
+    let place = (samples.to_medium, samples.low, samples.high);
+    Some(Trim { low, high }.samples(Values::Dense(values), shares, place))
 }
 
 /// The part from `low` to `high`, both included, of a table with rows and slices of `size`.
@@ -112,18 +150,24 @@ pub(in crate::world) fn rows(map: &DAffine3) -> Affine {
 
 /// Adds a grid to the tables, with its bounds.
 pub(super) fn append(
-    values: Vec<f32>,
+    values: Values,
     dims: [u32; 3],
     world_to_grid: Affine,
     scale: f32,
     tables: &mut Tables,
 ) -> Result<RecordKind, String> {
     let (first, first_bound) = (tables.samples.len(), tables.majorants.len());
-    if first + values.len() > i32::MAX as usize {
-        return Err("the scene's grids have more than 2^31 voxels".into());
-    }
     let depth = f64::from(scale) * voxel_edge(&world_to_grid);
-    let bounds = Bounds::new(&values, dims, depth).map_err(|error| error.to_string())?;
+    let bounds = match &values {
+        Values::Dense(values) => {
+            if first + values.len() > i32::MAX as usize {
+                return Err("the scene's grids have more than 2^31 voxels".into());
+            }
+            Bounds::new(values, dims, depth)
+        }
+        Values::Bricks(bricks) => brick_bounds::bounds(bricks, depth),
+    };
+    let bounds = bounds.map_err(|error| error.to_string())?;
     // An infinite bound would leave paths where they are, for ever.
     let peak = bounds.majorants.iter().copied().fold(0.0, f32::max);
     if !(peak * scale).is_finite() {
@@ -134,11 +178,15 @@ pub(super) fn append(
     if first_bound + bounds.majorants.len() > i32::MAX as usize {
         return Err("its grid has too many voxels".into());
     }
-    tables.majorants.extend_from_slice(&bounds.majorants);
-    if first == 0 {
-        tables.samples = values;
+    if first_bound == 0 {
+        tables.majorants = bounds.majorants;
     } else {
-        tables.samples.extend_from_slice(&values);
+        tables.majorants.extend_from_slice(&bounds.majorants);
+    }
+    match values {
+        Values::Dense(values) if first == 0 => tables.samples = values,
+        Values::Dense(values) => tables.samples.extend_from_slice(&values),
+        Values::Bricks(bricks) => tables.bricks = Some(bricks),
     }
     Ok(RecordKind::Grid {
         world_to_grid,

@@ -4,9 +4,10 @@ use std::cell::RefCell;
 
 use glam::{DAffine3, DVec3};
 
+use super::bricks::BrickTables;
 use super::cells::CellBox;
 use super::field::{Beyond, Field};
-use super::samples::{Samples, padded};
+use super::samples::{Samples, Trim, Values, padded};
 use crate::volume::vol::{self, VolGrid};
 use crate::volume::{Limits, nvdb, vdb};
 
@@ -18,12 +19,24 @@ pub(super) struct FileGrids {
     pub(super) temperature: Option<(Field<1>, DAffine3)>,
 }
 
+/// Where the density of a file may go.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Room {
+    /// Into one table.
+    Table,
+    /// Into bricks, if it has so many samples without empty margins.
+    Bricks {
+        /// That many.
+        from: usize,
+    },
+}
+
 /// Grids of an OpenVDB file.
 ///
 /// * `remark`: told what a user may not expect.
 pub(super) fn openvdb(
     bytes: &[u8],
-    density: &str,
+    (density, room): (&str, Room),
     temperature: Option<&str>,
     limits: &Limits,
     remark: impl FnMut(String),
@@ -35,7 +48,14 @@ pub(super) fn openvdb(
     };
     let file = vdb::read_grids(bytes, limits, wanted).map_err(|error| error.to_string())?;
     let names = seen.into_inner();
-    of_file(&file.grids, names, density, temperature, limits, remark)
+    of_file(
+        &file.grids,
+        names,
+        (density, room),
+        temperature,
+        limits,
+        remark,
+    )
 }
 
 /// Grids of a NanoVDB file.
@@ -43,7 +63,7 @@ pub(super) fn openvdb(
 /// * `remark`: told what a user may not expect.
 pub(super) fn nanovdb(
     bytes: &[u8],
-    density: &str,
+    (density, room): (&str, Room),
     temperature: Option<&str>,
     limits: &Limits,
     remark: impl FnMut(String),
@@ -55,7 +75,14 @@ pub(super) fn nanovdb(
     };
     let file = nvdb::read_grids(bytes, limits, wanted).map_err(|error| error.to_string())?;
     let names = seen.into_inner();
-    of_file(&file.grids, names, density, temperature, limits, remark)
+    of_file(
+        &file.grids,
+        names,
+        (density, room),
+        temperature,
+        limits,
+        remark,
+    )
 }
 
 impl From<&VolGrid> for CellBox {
@@ -126,12 +153,12 @@ pub(super) fn vol_albedo(
 fn of_file(
     grids: &[vdb::Grid],
     names: Vec<String>,
-    density: &str,
+    (density, room): (&str, Room),
     temperature: Option<&str>,
     limits: &Limits,
     remark: impl FnMut(String),
 ) -> Result<FileGrids, String> {
-    let density = dense(scalar(grids, &names, density)?, limits, remark)?;
+    let density = samples(scalar(grids, &names, density)?, room, limits, remark)?;
     let temperature = match temperature {
         Some(name) => Some(temperatures(scalar(grids, &names, name)?, limits)?),
         None => None,
@@ -180,8 +207,8 @@ fn scalar<'a>(grids: &'a [vdb::Grid], names: &[String], name: &str) -> Result<Sc
     })
 }
 
-/// The density of a grid, dense; `None` where it cannot be one, or takes too much memory.
-pub(super) fn density(grid: &vdb::Grid, limits: &Limits) -> Option<Samples> {
+/// The density of a grid; `None` where it cannot be one, or takes too much memory.
+pub(super) fn density(grid: &vdb::Grid, room: Room, limits: &Limits) -> Option<Samples> {
     let voxels = grid.voxels().ok().filter(|v| v.components() == 1)?;
     let scalar = Scalar {
         name: &grid.name,
@@ -189,12 +216,13 @@ pub(super) fn density(grid: &vdb::Grid, limits: &Limits) -> Option<Samples> {
         to_medium: grid.transform.affine()?,
     };
     let renderable = grid.unreadable().is_none();
-    renderable.then(|| dense(scalar, limits, |_| ()).ok()?)?
+    renderable.then(|| samples(scalar, room, limits, |_| ()).ok()?)?
 }
 
-/// The density of a grid, dense.
-fn dense(
+/// The density of a grid.
+fn samples(
     grid: Scalar<'_>,
+    room: Room,
     limits: &Limits,
     mut remark: impl FnMut(String),
 ) -> Result<Option<Samples>, String> {
@@ -214,34 +242,54 @@ fn dense(
             "grid \"{name}\" has the background {background}: it ends one voxel beyond the stored values"
         ));
     }
-    let Some((min, max)) = voxels.statistics().stored_bbox else {
+    let Some((min, max)) = voxels.stored_box() else {
         return Ok(None);
     };
-    let size = [0, 1, 2].map(|i| (max[i] - min[i] + 1).unsigned_abs());
-    let dims = padded(size, limits)?;
     let (low, high) = (min.map(|i| i - 1), max.map(|i| i + 1));
+    let to_medium =
+        to_medium * DAffine3::from_translation(DVec3::from_array(low.map(|i| i as f64)));
+    let size = [0, 1, 2].map(|i| (high[i] - low[i] + 1).unsigned_abs());
+    let far = DVec3::from_array(size.map(|n| (n - 1) as f64));
+    let place = (to_medium, DVec3::ZERO, far);
+    if let Room::Bricks { from } = room
+        && background as f32 == 0.0
+    {
+        let Some((min, max)) = voxels.visible_box() else {
+            return Ok(None);
+        };
+        let trim = Trim {
+            low: [0, 1, 2].map(|a| (min[a] - 1 - low[a]) as usize),
+            high: [0, 1, 2].map(|a| (max[a] + 1 - low[a]) as usize),
+        };
+        let dims = trim.dims().map(|n| n as u64);
+        let count = dims.iter().fold(1, |n: u64, d| n.saturating_mul(*d));
+        if count >= from as u64 {
+            let bricks = BrickTables::of_voxels(voxels, min.map(|i| i - 1), dims, limits)?;
+            return Ok(Some(trim.samples(
+                Values::Bricks(Box::new(bricks)),
+                None,
+                place,
+            )));
+        }
+    }
+    let dims = padded(size.map(|n| n - 2), limits)?;
     let values = voxels
         .to_dense(low, high, limits)
         .map_err(|error| error.to_string())?;
-    let corner = DVec3::from_array(low.map(|i| i as f64));
     Ok(Some(Samples {
-        values,
+        values: Values::Dense(values),
         shares: None,
         dims,
-        to_medium: to_medium * DAffine3::from_translation(corner),
+        to_medium,
         low: DVec3::ZERO,
-        high: DVec3::from_array(dims.map(|d| f64::from(d - 1))),
+        high: far,
     }))
 }
 
 /// Temperatures of a grid: its background lies beyond what it stores. The field's own map is not yet set.
 fn temperatures(grid: Scalar<'_>, limits: &Limits) -> Result<(Field<1>, DAffine3), String> {
     let background = grid.voxels.background() as f32;
-    let (min, max) = grid
-        .voxels
-        .statistics()
-        .stored_bbox
-        .unwrap_or(([0; 3], [0; 3]));
+    let (min, max) = grid.voxels.stored_box().unwrap_or(([0; 3], [0; 3]));
     let size = [0, 1, 2].map(|i| (max[i] - min[i] + 1).unsigned_abs());
     padded(size, limits)?;
     let values = grid
