@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! cargo bench -p woodcock-benches --bench grids
+//! cargo bench -p woodcock-benches --bench grids -- 512    # storage only, of these sides
 //! ```
 //!
 //! Every round runs each row of a table once, so that rows meet the same noise; ratios are medians of those within
@@ -155,8 +156,8 @@ fn decided_rows<'a, M: Tapped<f32> + Tapped<Lanes>>(medium: &'a M, name: &str) -
 }
 
 /// Runs the rows in rounds and prints them.
-fn table(title: &str, rows: &mut [Row<'_>], work: &Work, rounds: usize) {
-    for _ in 0..rounds {
+fn table(title: &str, rows: &mut [Row<'_>], works: &[Work], rounds: usize) {
+    for work in works.iter().cycle().take(rounds) {
         for row in rows.iter_mut() {
             let (fly, values) = (&row.fly, &mut row.values);
             row.times.time(|| fly(work, values));
@@ -237,7 +238,27 @@ fn record(side: u32, edge: u32, scale: f32) -> MediumRecord {
     }
 }
 
-/// How samples are kept and looked up.
+/// How much faster one row is than another, with quartiles of the ratios within rounds.
+fn ratio(rows: &[Row<'_>], what: &str, slow: &str, fast: &str) {
+    let times = |name: &str| {
+        rows.iter()
+            .find(|row| row.name == name)
+            .map(|row| &row.times)
+    };
+    if let Some((slow, fast)) = times(slow).zip(times(fast)) {
+        let ratios = fast.ratios(slow);
+        let at = |q| ratios.quantile(q);
+        println!(
+            "{what:<44} {:>6.2} ({:.2}-{:.2})",
+            at(0.5),
+            at(0.25),
+            at(0.75)
+        );
+    }
+}
+
+/// How samples are kept and looked up, on flights from anywhere to anywhere: no two rays of a round or of the next rounds are alike, so
+/// that a table beyond the caches is missed as by paths after many scatterings.
 fn storage(side: u32, rounds: usize) -> Result<(), Box<dyn Error>> {
     let cube = Cube::new(side)?;
     let (dims, last) = ([side; 3], (side - 1) as f32);
@@ -251,7 +272,10 @@ fn storage(side: u32, rounds: usize) -> Result<(), Box<dyn Error>> {
     let dense = OneGrid::new(&record, &cube.samples, bounds);
     let tables = BrickTables::of_dense(&cube.samples, dims).ok_or("too many samples")?;
     let bricks = OneGrid::stored(&record, Store::Bricks(tables.borrow()), bounds);
-    let work = Work::new(last);
+    let batches = if quick() { 1 } else { 16 };
+    let works: Vec<Work> = (0..batches)
+        .map(|batch| Work::scattered(last, batch))
+        .collect();
     let mut rows: Vec<Row<'_>> = Vec::new();
     rows.extend(delta_rows(&trilinear, "dense/trilinear"));
     rows.extend(decided_rows(&dense, "dense/one-tap"));
@@ -262,7 +286,31 @@ fn storage(side: u32, rounds: usize) -> Result<(), Box<dyn Error>> {
         "{side}³, blocks of {edge}; bricks take {:.3} bytes a voxel, 4 of them its sample",
         tables.bytes() as f64 / voxels
     );
-    table(&title, &mut rows, &work, rounds);
+    table(&title, &mut rows, &works, rounds);
+    ratio(
+        &rows,
+        "one tap against interpolation, dense, x8",
+        "dense/trilinear/x8",
+        "dense/one-tap/x8",
+    );
+    ratio(
+        &rows,
+        "bricks with bytes against dense, one tap, x8",
+        "dense/one-tap/x8",
+        "bricks/squeeze/x8",
+    );
+    ratio(
+        &rows,
+        "bytes against none, bricks, x8",
+        "bricks/one-tap/x8",
+        "bricks/squeeze/x8",
+    );
+    ratio(
+        &rows,
+        "bricks with bytes against interpolation, x8",
+        "dense/trilinear/x8",
+        "bricks/squeeze/x8",
+    );
     assert!(
         rows[2..]
             .windows(2)
@@ -326,7 +374,7 @@ fn blocks(side: u32, optical_depth: f32, rounds: usize) -> Result<(), Box<dyn Er
         "{side}³, {:.0} % empty, largest optical depth {optical_depth}",
         100.0 * empty
     );
-    table(&title, &mut rows, &work, rounds);
+    table(&title, &mut rows, &[work], rounds);
     for (edge, table) in &levels {
         let cost = walk_cost(table, dims, *edge, f64::from(scale))?;
         println!(
@@ -340,15 +388,19 @@ fn blocks(side: u32, optical_depth: f32, rounds: usize) -> Result<(), Box<dyn Er
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let (sides, rounds): (&[u32], usize) = if quick() {
-        (&[64], 1)
-    } else {
-        (&[64, 256, 512], 21)
+    let named: Vec<u32> = std::env::args().filter_map(|a| a.parse().ok()).collect();
+    let (sides, rounds): (&[u32], usize) = match (quick(), named.as_slice()) {
+        (true, _) => (&[64], 1),
+        (false, []) => (&[64, 96, 128, 192, 256, 512], 32),
+        (false, named) => (named, 32),
     };
     for side in sides {
         storage(*side, rounds)?;
     }
-    let side = sides.get(1).copied().unwrap_or(64);
+    if !named.is_empty() {
+        return Ok(());
+    }
+    let side = if quick() { 64 } else { 256 };
     for depth in [4.0, 40.0, 400.0] {
         blocks(side, depth, rounds)?;
     }

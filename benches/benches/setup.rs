@@ -2,7 +2,8 @@
 //!
 //! ```text
 //! cargo bench -p woodcock-benches --bench setup
-//! cargo bench -p woodcock-benches --bench setup -- DIRECTORY    # leaves files and scenes there, for `woodcock render`
+//! cargo bench -p woodcock-benches --bench setup -- 256            # of this side
+//! cargo bench -p woodcock-benches --bench setup -- DIRECTORY      # leaves files and scenes there, for `woodcock render`
 //! ```
 //!
 //! A cube full of noise, no voxel empty, and a cloud that leaves 86 % empty; leaves stored, in blosc (OpenVDB's default) and in zip.
@@ -93,12 +94,14 @@ fn scene(file: &str) -> String {
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let (sides, rounds): (&[u32], usize) = if quick() {
-        (&[48], 1)
-    } else {
-        (&[256, 512], 7)
+    let named: Vec<u32> = std::env::args().filter_map(|a| a.parse().ok()).collect();
+    let (sides, rounds): (&[u32], usize) = match (quick(), named.as_slice()) {
+        (true, _) => (&[48], 1),
+        (false, []) => (&[256, 512], 7),
+        (false, named) => (named, 7),
     };
-    let directory = std::env::args().skip(1).find(|a| !a.starts_with('-'));
+    let is_directory = |a: &String| !a.starts_with('-') && a.parse::<u32>().is_err();
+    let directory = std::env::args().skip(1).find(is_directory);
     println!(
         "{:<7} {:>5} {:<7} {:>8} {:>8} {:>8} {:>9}",
         "volume", "side", "leaves", "MB", "read s", "setup s", "bytes"

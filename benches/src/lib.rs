@@ -16,7 +16,9 @@ pub mod yardstick;
 use std::time::Instant;
 
 use woodcock_core::majorant::{MajorantError, fill_majorants, majorant_count};
+use woodcock_core::ray::clip_to_box;
 use woodcock_core::stream::{Key, PathStream, Stream};
+use woodcock_core::vec3::Vec3;
 use woodcock_packet::bundle::{Bundle, BundleRay};
 
 /// Rays of a bundle.
@@ -108,9 +110,43 @@ pub struct Work {
 }
 
 impl Work {
-    /// Rays through a cube of the given edge.
+    /// Rays through a cube of the given edge, the same in all bundles.
     pub fn new(edge: f32) -> Self {
-        let rays: Vec<_> = (0..BUNDLES).map(|bundle| rays(edge, bundle)).collect();
+        Self::of((0..BUNDLES).map(|bundle| rays(edge, bundle)).collect())
+    }
+
+    /// Rays as after many scatterings: from anywhere in a cube of the given edge to anywhere, no two alike.
+    ///
+    /// * `batch`: another one, other rays.
+    pub fn scattered(edge: f32, batch: usize) -> Self {
+        let ray = |bundle: usize, index: usize| {
+            let sample = (batch * BUNDLES + bundle) as u32;
+            let pixel = index as u32;
+            let mut rng = PathStream::new(Key {
+                seed: 6,
+                pixel,
+                sample,
+            });
+            let mut u = || Stream::<f32>::uniform(&mut rng, true);
+            let origin = Vec3::new(u(), u(), u()).times(Vec3::uniform(edge));
+            let direction = Vec3::new(0.0, 0.0, 1.0).deflected(2.0 * u() - 1.0, u());
+            let numbers = |v: Vec3<f32>| [v.x, v.y, v.z];
+            BundleRay {
+                origin: numbers(origin),
+                direction: numbers(direction),
+                t_max: clip_to_box(origin, direction, Vec3::uniform(edge)).t1,
+                key: Key {
+                    seed: 1,
+                    pixel,
+                    sample,
+                },
+            }
+        };
+        let bundle = |bundle| (0..RAYS).map(|index| ray(bundle, index)).collect();
+        Self::of((0..BUNDLES).map(bundle).collect())
+    }
+
+    fn of(rays: Vec<Vec<BundleRay>>) -> Self {
         Self {
             bundles: rays.iter().map(|bundle| bundle.iter().collect()).collect(),
             singles: rays
@@ -152,8 +188,13 @@ impl Times {
     /// Median of the ratios of another's times to these, round by round: noise that lasts longer than a
     /// round cancels.
     pub fn speed_up_over(&self, other: &Self) -> f64 {
+        self.ratios(other).quantile(0.5)
+    }
+
+    /// The ratios of another's times to these, round by round.
+    pub fn ratios(&self, other: &Self) -> Self {
         let ratios = other.0.iter().zip(&self.0).map(|(slow, fast)| slow / fast);
-        Self(ratios.collect()).quantile(0.5)
+        Self(ratios.collect())
     }
 }
 

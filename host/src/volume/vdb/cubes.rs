@@ -231,13 +231,13 @@ mod tests {
                 (
                     [-1, 0, 0],
                     RootEntry::Tile {
-                        value: 7.0,
+                        value: 7.5,
                         active: false,
                     },
                 ),
                 ([0, 0, 0], RootEntry::Child(0)),
             ],
-            upper: vec![node(1 << 15, 0, 0, (1, 9.0))],
+            upper: vec![node(1 << 15, 0, 0, (1, 9.5))],
             lower: vec![node(1 << 12, leaf, 0, (leaf + 1, 8.5))],
             leaf_masks: vec![[!0; 8]],
             leaf_values: values.collect(),
@@ -298,11 +298,11 @@ mod tests {
             Some(([24, 32, 48], [31, 39, 55]))
         );
         assert_eq!(
-            bounds(&tree, |v| v == 9.0),
+            bounds(&tree, |v| v == 9.5),
             Some(([0, 0, 128], [127, 127, 255]))
         );
         assert_eq!(
-            bounds(&tree, |v| v == 7.0),
+            bounds(&tree, |v| v == 7.5),
             Some(([-4096, 0, 0], [-1, 4095, 4095]))
         );
         // 511 is the last voxel of the leaf, 1 the second.
