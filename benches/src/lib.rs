@@ -13,8 +13,6 @@ pub mod relative;
 pub mod vdb;
 pub mod yardstick;
 
-use std::time::Instant;
-
 use woodcock_core::majorant::{MajorantError, fill_majorants, majorant_count};
 use woodcock_core::ray::clip_to_box;
 use woodcock_core::stream::{Key, PathStream, Stream};
@@ -170,11 +168,10 @@ impl Work {
 pub struct Times(Vec<f64>);
 
 impl Times {
-    /// Adds the time of a run, in seconds.
+    /// Adds the CPU time of a run, in seconds: who else uses the machine is not counted.
     pub fn time(&mut self, run: impl FnOnce()) {
-        let start = Instant::now();
-        run();
-        self.0.push(start.elapsed().as_secs_f64());
+        let ((), took) = measure::timed(run);
+        self.0.push(took);
     }
 
     /// The value below which a fraction of the times lies.

@@ -635,13 +635,18 @@ fn assemble_media(
                 .any(|b| b.inside == id || b.outside == id)
     };
     let in_one_table = |kept: &Feature| matches!(kept, Feature::DenseGrid | Feature::SeveralMedia);
+    let alone = !options.keep.iter().any(in_one_table)
+        && (0..scene.media.len()).filter(|id| used(*id)).count() == 1;
     let around = Surroundings {
         origin,
         exposure: scene.film.imaging_ratio,
         files,
         limits: &options.limits,
-        alone: !options.keep.iter().any(in_one_table)
-            && (0..scene.media.len()).filter(|id| used(*id)).count() == 1,
+        bricks_from: alone.then_some(if options.keep.contains(&Feature::Bricks) {
+            0
+        } else {
+            medium::BRICKS_FROM
+        }),
     };
     let mut assembled = Assembled {
         media: Vec::new(),

@@ -20,7 +20,7 @@ pub(super) fn store(media: &[Medium], tables: &mut Tables, keep: &[Feature], nee
     let keep_dense = keep.contains(&Feature::DenseGrid);
     let reason = match (alone, large) {
         (None, _) => "not one plain grid".to_owned(),
-        (_, true) => format!("{samples} samples: more than caches hold"),
+        (_, true) => format!("{samples} samples: more than near caches hold"),
         (_, false) => format!("{samples} samples: one table is faster"),
     };
     let bricks_kept = keep.contains(&Feature::Bricks) && alone.is_some() && !keep_dense;

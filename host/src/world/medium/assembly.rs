@@ -14,7 +14,7 @@ use super::emission::{Emission, Radiance, Temperatures};
 use super::field::{Beyond, Field};
 use super::samples::{self, Samples};
 use super::sources::{self, FileGrids, Room};
-use super::{BRICKS_FROM, Medium, PhaseFunction, Support, Tables};
+use super::{Medium, PhaseFunction, Support, Tables};
 use crate::scene::{
     self, Cloud, Files, MediumKind, NamedMedium, SceneError, TemperatureValues, Warning,
 };
@@ -30,8 +30,8 @@ pub(in crate::world) struct Surroundings<'a> {
     pub(in crate::world) files: &'a dyn Files,
     /// What reading may cost.
     pub(in crate::world) limits: &'a Limits,
-    /// Whether the medium is the scene's only one, and its samples may go to bricks at once.
-    pub(in crate::world) alone: bool,
+    /// From how many samples on a grid goes to bricks at once; `None` where it is not the scene's only medium.
+    pub(in crate::world) bricks_from: Option<usize>,
 }
 
 impl Surroundings<'_> {
@@ -224,10 +224,9 @@ fn fill(
     let limits = around.limits;
     // Whatever scalar code keeps beside samples counts them in one table.
     let plain = plain_phase && medium.emission.is_none();
-    let room = if around.alone && plain {
-        Room::Bricks { from: BRICKS_FROM }
-    } else {
-        Room::Table
+    let room = match around.bricks_from {
+        Some(from) if plain => Room::Bricks { from },
+        _ => Room::Table,
     };
     Ok(Some(match &medium.kind {
         MediumKind::Homogeneous => Filling::Homogeneous.into(),

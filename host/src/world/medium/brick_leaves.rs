@@ -29,8 +29,8 @@ impl BrickTables {
         };
         let counts = dims.map(|n| n.div_ceil(u64::from(BRICK)));
         let lattice = counts.iter().fold(1, |n: u64, c| n.saturating_mul(*c));
-        // A place and a mark for each brick; the bounds of its eight blocks, and those of larger ones with tables of their own.
-        let lattice_bytes = lattice.saturating_mul(4 + 1 + 2 * 8 * 4);
+        // A place and a mark for each brick; bounds, minorants and means of its eight blocks.
+        let lattice_bytes = lattice.saturating_mul(4 + 1 + 3 * 8 * 4);
         let short = dims.iter().all(|n| *n <= 1 << 23);
         if !short || lattice > i32::MAX as u64 / 16 || lattice_bytes > limits.max_memory {
             return Err(refused(lattice_bytes));

@@ -55,8 +55,24 @@ pub struct Tables {
     pub controls: [Vec<f32>; 2],
 }
 
-/// From how many samples on a grid is better kept in bricks: the bench `grids` compares.
-pub(super) const BRICKS_FROM: usize = 1 << 22;
+/// From how many samples without empty margins on a grid is better kept in bricks.
+///
+/// CPU time of whole pictures in one table over that in bricks, medians of 11 interleaved pairs, one thread of a busy machine with
+/// 2 MiB of second-level cache; the yardsticks of the benches, `cloud` resampled:
+///
+/// | samples | scene | table / bricks |
+/// |---|---|---|
+/// | 0.10 M | `cloud` of 64³ | 0.97 |
+/// | 0.33 M | `cloud` of 96³ | 1.01 |
+/// | 0.79 M | `cloud` of 128³ | 1.03 |
+/// | 1.5 M | `cloud` of 160³ | 1.06 |
+/// | 1.7 M | `smoke` | 1.08 |
+/// | 1.7 M | `absorption` | 1.01 |
+/// | 2.7 M | `cloud` of 192³ | 1.09 |
+/// | 6.3 M | `cloud` of 256³ | 1.11 |
+///
+/// The bench `grids` compares flights alone.
+pub(super) const BRICKS_FROM: usize = 1 << 19;
 
 impl Tables {
     /// The sample of a tap; zero beyond the last.

@@ -229,6 +229,41 @@ fn bricks_change_no_bit() {
     }
 }
 
+/// A volume whose leaves become bricks without a table in between, and one that goes through the table: the same bounds and pictures.
+#[test]
+fn leaves_in_bricks_change_no_bit() {
+    let unit = [[-1.0; 3], [1.0; 3]];
+    for (file, scale) in [
+        ("cloud_blosc.vdb", 0.3),
+        ("fire_160.vdb", 0.5),
+        ("quantised_zip.vdb", 0.4),
+    ] {
+        let world = sky(0.3)
+            + &sun([1.0, 2.0, -1.0], [3.0, 2.5, 2.0])
+            + &openvdb("m", file, &grey(scale, 0.95, 0.6))
+            + &block("m", "", unit.map(|corner| corner.map(|c| 100.0 * c)));
+        let far = perspective([20.0, 30.0, -150.0], [0.0, 0.0, 1.0], 40.0);
+        let text = scene(&far, [33, 17], &world);
+        let staged = |keep: Feature| {
+            let options = world::Options {
+                keep: vec![keep],
+                ..world::Options::default()
+            };
+            try_stage(&text, volume(file), &options).expect("a scene")
+        };
+        let (dense, bricks) = (staged(Feature::DenseGrid), staged(Feature::Bricks));
+        let (table, direct) = (&dense.world.tables, &bricks.world.tables);
+        assert!(table.bricks.is_none() && direct.bricks.is_some(), "{file}");
+        assert_eq!(table.box_samples(), direct.box_samples(), "{file}");
+        assert!(table.majorants == direct.majorants, "{file}: bounds differ");
+        assert!(table.controls == direct.controls, "{file}: controls differ");
+        let expected = dense.shoot_range(0..4);
+        expected.assert_sound(file);
+        assert!(expected.counts.real_collisions > 0, "{file} is not seen");
+        assert!(bricks.shoot_range(0..4).film == expected.film, "{file}");
+    }
+}
+
 /// A planted mistake: with the bytes of the voxels beside, decisions differ, so the test above would see them.
 #[test]
 fn wrong_bytes_are_seen() {
