@@ -216,7 +216,7 @@ mod tests {
             );
         }
         // What is empty costs its part of the lattice.
-        let wide = [1 << 14, 1 << 10, 1 << 10];
+        let wide = [1 << 13, 1 << 10, 1 << 10];
         let bricks = made(wide, 3 << 30).expect("a wide box");
         assert_eq!(
             bricks.present(),
