@@ -234,15 +234,15 @@ fn bricks_change_no_bit() {
 fn leaves_in_bricks_change_no_bit() {
     let unit = [[-1.0; 3], [1.0; 3]];
     for (file, scale) in [
-        ("cloud_blosc.vdb", 0.3),
-        ("fire_160.vdb", 0.5),
-        ("quantised_zip.vdb", 0.4),
+        ("cloud_blosc.vdb", 1.0),
+        ("fire_160.vdb", 2.0),
+        ("quantised_zip.vdb", 2.0),
     ] {
         let world = sky(0.3)
             + &sun([1.0, 2.0, -1.0], [3.0, 2.5, 2.0])
             + &openvdb("m", file, &grey(scale, 0.95, 0.6))
             + &block("m", "", unit.map(|corner| corner.map(|c| 100.0 * c)));
-        let far = perspective([20.0, 30.0, -150.0], [0.0, 0.0, 1.0], 40.0);
+        let far = perspective([1.0, 1.5, -5.0], [0.0, 0.0, 1.0], 70.0);
         let text = scene(&far, [33, 17], &world);
         let staged = |keep: Feature| {
             let options = world::Options {
