@@ -16,7 +16,7 @@
 //!
 //! A path's points are a function of its [`Key`] alone.
 
-use crate::real::{Mask, Real, Word};
+use crate::real::{Mask, Real, Word, Word32};
 use crate::stream::{Key, Stream};
 
 /// Paths of a replicate.
@@ -244,6 +244,14 @@ impl<W: Word> LaneStrata<W> {
         let [a, b] = if_true.0;
         let [c, d] = if_false.0;
         Self([W::select(mask, a, c), W::select(mask, b, d)])
+    }
+
+    /// Replaces the strata of one lane.
+    #[inline(always)]
+    pub fn set_lane(&mut self, lane: usize, strata: LaneStrata<Word32>) {
+        for (words, Word32(word)) in self.0.iter_mut().zip(strata.0) {
+            words.set_lane(lane, word);
+        }
     }
 
     /// The stratum of a choice as the leading digits of a word.

@@ -3,6 +3,7 @@
 use woodcock_core::path::{Counts, Geometry, PathSample, Scene, Start, Stretch};
 use woodcock_core::points::{self, LaneStrata, Strata};
 use woodcock_core::ray::{Interval, Ray};
+use woodcock_core::real::{Mask, Word32};
 use woodcock_core::stream::{Key, KeyedStream};
 use woodcock_core::vec3::Vec3;
 
@@ -71,7 +72,7 @@ pub(crate) struct Ready {
     /// Origin and direction of each ray, beginning and end of its first stretch.
     numbers: [[f32; LANES]; 8],
     medium: [u32; LANES],
-    pub(crate) state: [[u32; LANES]; 2],
+    state: [[u32; LANES]; 2],
     strata: [[u32; LANES]; 2],
 }
 
@@ -87,21 +88,11 @@ impl Ready {
         }
     }
 
+    /// The path of a place < 8.
     #[inline(always)]
-    pub(crate) fn copy(&mut self, lane: usize, from: &Self, place: usize) {
-        for (to, from) in self.numbers.iter_mut().zip(&from.numbers) {
-            to[lane] = from[place];
-        }
-        self.medium[lane] = from.medium[place];
-        for half in 0..2 {
-            self.state[half][lane] = from.state[half][place];
-            self.strata[half][lane] = from.strata[half][place];
-        }
-    }
-
-    #[inline(always)]
-    pub(crate) fn start(&self, found: LaneMask) -> Start<Lanes> {
-        let [ox, oy, oz, dx, dy, dz, t0, t1] = self.numbers.map(Lanes::new);
+    pub(crate) fn start(&self, place: usize) -> Start<f32> {
+        let place = place % LANES;
+        let [ox, oy, oz, dx, dy, dz, t0, t1] = core::array::from_fn(|i| self.numbers[i][place]);
         Start {
             ray: Ray {
                 origin: Vec3::new(ox, oy, oz),
@@ -109,11 +100,18 @@ impl Ready {
             },
             first: Stretch {
                 interval: Interval { t0, t1 },
-                medium: LaneWords::new(self.medium),
-                found,
+                medium: Word32(self.medium[place]),
+                found: true,
             },
-            strata: LaneStrata::new(self.strata.map(LaneWords::new)),
+            strata: LaneStrata::new(core::array::from_fn(|i| Word32(self.strata[i][place]))),
         }
+    }
+
+    /// The stream of a place < 8, its lower and upper half.
+    #[inline(always)]
+    pub(crate) fn stream(&self, place: usize) -> [u32; 2] {
+        let place = place % LANES;
+        [self.state[0][place], self.state[1][place]]
     }
 }
 

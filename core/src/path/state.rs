@@ -157,12 +157,6 @@ where
         &mut self.stream
     }
 
-    /// Gives lanes the strata of their first choices, before a launch where there are points.
-    #[inline(always)]
-    pub fn set_strata(&mut self, strata: LaneStrata<R::Word>, lanes: R::Mask) {
-        self.strata = LaneStrata::select(lanes, strata, self.strata);
-    }
-
     /// What has been done so far.
     pub fn counts(&self) -> &Counts {
         &self.counts
@@ -196,37 +190,41 @@ where
     #[inline(always)]
     fn count_step(&mut self) {
         self.counts.steps += 1;
+        self.counts.lanes += R::LANES as u64;
         self.counts.busy_lanes += u64::from(self.running().count());
     }
 
-    /// Begins paths in the given lanes, whose streams have been given their keys.
+    /// Begins a path that stands ready in one lane, with the stream that made it so.
     ///
-    /// * `x`, `y`: column and row of each path's pixel.
+    /// Written one by one: as many lanes as finish begin anew, mostly one, and all others keep what they have.
     #[inline(always)]
-    pub fn launch<M, G>(&mut self, scene: &Scene<'_, M, G>, x: R, y: R, lanes: R::Mask)
-    where
-        G: Geometry<R> + ?Sized,
-    {
-        let start = Start::new(scene, [x, y], self.strata, &mut self.stream, lanes);
-        self.launch_at(&start, lanes);
-    }
-
-    /// Begins paths that stand ready in the given lanes, with the streams that made them so.
-    #[inline(always)]
-    pub fn launch_at(&mut self, start: &Start<R>, lanes: R::Mask) {
-        self.ray = Ray::select(lanes, &start.ray, &self.ray);
-        self.first = Stretch::select(lanes, &start.first, &self.first);
-        self.strata = LaneStrata::select(lanes, start.strata, self.strata);
-        self.throughput = Vec3::select(lanes, Vec3::uniform(1.0), self.throughput);
-        self.forced = R::select(lanes, R::one(), self.forced);
-        self.radiance = Vec3::select(lanes, Vec3::uniform(0.0), self.radiance);
-        self.depth = R::Word::select(lanes, R::Word::splat(0), self.depth);
-        self.pdf = R::select(lanes, R::splat(CERTAIN), self.pdf);
-        self.shadow = self.shadow.and_not(lanes);
-        self.alpha = R::select(lanes, R::zero(), self.alpha);
-        self.counts.paths += u64::from(lanes.count());
-        self.begin_ray(lanes);
-        self.stages[Stage::Enter as usize] = self.at(Stage::Enter) | lanes;
+    pub fn launch(&mut self, lane: usize, start: &Start<f32>) {
+        self.ray.origin.set_lane(lane, start.ray.origin.lane(0));
+        self.ray
+            .direction
+            .set_lane(lane, start.ray.direction.lane(0));
+        self.first
+            .interval
+            .t0
+            .set_lane(lane, start.first.interval.t0);
+        self.first
+            .interval
+            .t1
+            .set_lane(lane, start.first.interval.t1);
+        self.first.medium.set_lane(lane, start.first.medium.0);
+        self.first.found.set_lane(lane, start.first.found);
+        self.strata.set_lane(lane, start.strata);
+        self.throughput.set_lane(lane, [1.0; 3]);
+        self.forced.set_lane(lane, 1.0);
+        self.radiance.set_lane(lane, [0.0; 3]);
+        self.depth.set_lane(lane, 0);
+        self.pdf.set_lane(lane, CERTAIN);
+        self.shadow.set_lane(lane, false);
+        self.alpha.set_lane(lane, 0.0);
+        self.cursor.set_lane(lane, 0);
+        self.limit.set_lane(lane, FAR);
+        self.counts.paths += 1;
+        self.stages[Stage::Enter as usize].set_lane(lane, true);
     }
 
     #[inline(always)]
