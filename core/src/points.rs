@@ -189,6 +189,19 @@ pub fn replicate(key: Key) -> [Strata; REPLICATE as usize] {
     paths.map(Strata)
 }
 
+/// A random word that the paths of a replicate have in common.
+///
+/// * `key`: of any of them.
+#[inline]
+pub fn common(key: Key) -> u32 {
+    let key = Key {
+        seed: key.seed ^ 0xbb67_ae85_84ca_a73b,
+        pixel: key.pixel,
+        sample: key.sample / REPLICATE,
+    };
+    key.hash() as u32
+}
+
 /// The strata of one path.
 #[inline]
 pub fn strata(key: Key) -> Strata {
@@ -217,33 +230,73 @@ const fn scrambling(tree: u64) -> u64 {
 
 /// The strata of the path in each lane.
 #[derive(Clone, Copy, Debug)]
-pub struct LaneStrata<W>([W; 2]);
+pub struct LaneStrata<W> {
+    digits: [W; 2],
+    common: W,
+}
 
 impl<W: Word> LaneStrata<W> {
     /// No path yet.
     #[inline(always)]
     pub fn idle() -> Self {
-        Self([W::splat(0); 2])
+        Self::new([W::splat(0); 2])
     }
 
     /// From the lower and upper halves of each lane's [`Strata`].
     #[inline(always)]
     pub fn new(words: [W; 2]) -> Self {
-        Self(words)
+        Self {
+            digits: words,
+            common: W::splat(0),
+        }
+    }
+
+    /// With the word that the paths of each lane's replicate have in [common](common()).
+    #[inline(always)]
+    #[must_use]
+    pub fn with_common(self, common: W) -> Self {
+        Self { common, ..self }
+    }
+
+    /// A word for the choice number `index` of those that a path makes along its way: as random as any, but in the paths of a
+    /// replicate their leading digits are those of all sixteenths, as those of `word` are.
+    #[inline(always)]
+    pub fn rotated(&self, word: W, index: W) -> W {
+        // Multiply and xorshift, with the constants of [Wellons 2018].
+        let mut z = self.common + index * W::splat(0x9e37_79b9);
+        z = (z ^ z.shr(16)) * W::splat(0x7feb_352d);
+        z = (z ^ z.shr(15)) * W::splat(0x846c_a68b);
+        word + (z ^ z.shr(16))
     }
 
     /// The lower and upper halves.
     #[inline(always)]
     pub fn words(self) -> [W; 2] {
-        self.0
+        self.digits
     }
 
     /// `if_true` where the mask holds, else `if_false`.
     #[inline(always)]
     pub fn select(mask: W::Mask, if_true: Self, if_false: Self) -> Self {
-        let [a, b] = if_true.0;
-        let [c, d] = if_false.0;
-        Self([W::select(mask, a, c), W::select(mask, b, d)])
+        let [a, b] = if_true.digits;
+        let [c, d] = if_false.digits;
+        Self {
+            digits: [W::select(mask, a, c), W::select(mask, b, d)],
+            common: W::select(mask, if_true.common, if_false.common),
+        }
+    }
+
+    /// Strata for one more branch of the same path, which has `rest` more to come. The four strata of each choice that branches
+    /// have lie within a quarter, and those of two choices in different rows and columns of it, so that sixteen paths with four
+    /// branches share out the unit square more finely than without.
+    #[inline(always)]
+    pub fn branched(self, rest: W) -> Self {
+        let odd = (rest & W::splat(1)).eq(W::splat(1));
+        let step = W::select(odd, W::splat(0x3112_3112), W::splat(0x2321_2321));
+        Self {
+            digits: self.digits.map(|word| word ^ step),
+            ..self
+        }
     }
 
     /// The stratum of a choice as the leading digits of a word.
@@ -255,7 +308,7 @@ impl<W: Word> LaneStrata<W> {
     /// The stratum of one of the sixteen choices by its number, for paths whose choices are others than [`Choice`] names.
     #[inline(always)]
     pub fn leading_of(&self, place: u32) -> W {
-        let word = self.0[((place / 8) & 1) as usize];
+        let word = self.digits[((place / 8) & 1) as usize];
         word.shr(4 * (place % 8)).shl(32 - DIGITS)
     }
 }

@@ -40,8 +40,13 @@ where
     let mut owners = [0_usize; LANES];
     let mut held = 0_u32;
     let mut ready = Ready::default();
+    let combs = Paths::<Lanes, M::Walk, LaneStream, CHROMATIC, ANY_RAYLEIGH>::combs::<M, G>(scene);
     loop {
-        let running = paths.running().bits();
+        let mut running = paths.running().bits();
+        if running != 0xff && combs {
+            paths.branch(scene);
+            running = paths.running().bits();
+        }
         if running != 0xff {
             let mut begun = 0_u32;
             for (lane, owner) in owners.iter_mut().enumerate() {
@@ -53,18 +58,26 @@ where
                     land(*owner, paths.sample(lane));
                     held &= !bit;
                 }
-                if let Some(place) = queue.next(scene, paths.counts_mut(), &mut land) {
+                if let Some(place) = queue.next(scene, combs, paths.counts_mut(), &mut land) {
                     *owner = queue.owners[place];
                     held |= bit;
                     begun |= bit;
                     ready.copy(lane, &queue.ready, place);
+                    if M::SHINES {
+                        ready.copy_glow(lane, &queue.ready, place);
+                    }
                 }
             }
             if begun != 0 {
                 let begun = LaneMask::from_bits(begun);
                 let [low, high] = ready.state.map(LaneWords::new);
                 paths.stream().set_states(low, high, begun);
-                paths.launch_at(&ready.start(begun), begun);
+                if combs {
+                    paths.launch_glowing(&ready.start(begun), &ready.glow(), begun);
+                    paths.branch(scene);
+                } else {
+                    paths.launch_at(&ready.start(begun), begun);
+                }
             }
             if held == 0 {
                 return *paths.counts();
@@ -163,7 +176,8 @@ where
     KeyedStream::<f32>::set_key(paths.stream(), 0, request.key);
     if scene.settings.points {
         let strata = points::strata(request.key).words().map(Word32);
-        paths.set_strata(LaneStrata::new(strata), true);
+        let common = Word32(points::common(request.key));
+        paths.set_strata(LaneStrata::new(strata).with_common(common), true);
     }
     paths.launch(scene, request.x as f32, request.y as f32, true);
     while paths.running() {
@@ -171,6 +185,9 @@ where
             if paths.at(stage) {
                 paths.step(scene, stage);
             }
+        }
+        if Paths::<f32, M::Walk, PathStream, CHROMATIC, ANY_RAYLEIGH>::combs(scene) {
+            paths.branch(scene);
         }
     }
     counts.add(paths.counts());

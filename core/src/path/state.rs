@@ -3,7 +3,8 @@
 use crate::collision;
 use crate::majorant::Tracker;
 use crate::path::{
-    Counts, Geometry, Optics, PathSample, Scene, ShadowEstimator, Start, Stretch, Tapped,
+    Counts, Geometry, Glow, Optics, PathSample, Scene, ShadowEstimator, Start, Stretch, Tapped,
+    glow,
 };
 use crate::phase::Phase;
 use crate::points::{Choice, LaneStrata, Stratified};
@@ -70,6 +71,9 @@ pub struct Paths<R: Real, W, S, const CHROMATIC: bool, const ANY_RAYLEIGH: bool>
     shadow: R::Mask,
     /// Chance of the camera ray to meet a medium's particles.
     alpha: R,
+    /// What camera rays see, the branches that are still to come, and the rays.
+    glow: Glow<R>,
+    camera: Ray<R>,
     /// Lanes on their way to the first tentative collision of a camera ray.
     opening: R::Mask,
     stages: [R::Mask; 4],
@@ -132,6 +136,11 @@ where
             pdf: R::zero(),
             shadow: none,
             alpha: R::zero(),
+            glow: Glow::none(),
+            camera: Ray {
+                origin: zero,
+                direction: zero,
+            },
             opening: none,
             stages: [none; 4],
             counts: Counts::default(),
@@ -205,10 +214,69 @@ where
     #[inline(always)]
     pub fn launch<M, G>(&mut self, scene: &Scene<'_, M, G>, x: R, y: R, lanes: R::Mask)
     where
+        M: Tapped<R, Walk = W>,
         G: Geometry<R> + ?Sized,
     {
         let start = Start::new(scene, [x, y], self.strata, &mut self.stream, lanes);
-        self.launch_at(&start, lanes);
+        if Self::combs(scene) {
+            let glow = glow(scene, &start, &mut self.stream, lanes, &mut self.counts);
+            self.launch_glowing(&start, &glow, lanes);
+            self.branch(scene);
+        } else {
+            self.launch_at(&start, lanes);
+        }
+    }
+
+    /// Whether paths begin with the [glow](glow()) of what is before them.
+    #[inline(always)]
+    pub fn combs<M: Tapped<R>, G: ?Sized>(scene: &Scene<'_, M, G>) -> bool {
+        M::SHINES && !CHROMATIC && scene.settings.combed
+    }
+
+    /// Begins paths with what their camera rays have been found to see; they wait for [`branch`](Self::branch).
+    #[inline(always)]
+    pub fn launch_glowing(&mut self, start: &Start<R>, glow: &Glow<R>, lanes: R::Mask) {
+        self.launch_at(start, lanes);
+        self.finish(lanes, Stage::Enter);
+        // The camera ray is done with its stretches.
+        self.first.found = self.first.found.and_not(lanes);
+        self.camera = Ray::select(lanes, &start.ray, &self.camera);
+        self.radiance = Vec3::select(lanes, glow.radiance, self.radiance);
+        self.alpha = R::select(lanes, glow.alpha, self.alpha);
+        self.glow = Glow::select(lanes, glow, &self.glow);
+    }
+
+    /// Begins the next branch of all paths that have run to an end and have another.
+    #[inline(always)]
+    pub fn branch<M: Tapped<R, Walk = W>, G: ?Sized>(&mut self, scene: &Scene<'_, M, G>) {
+        let lanes = R::zero().lt(self.glow.branches).and_not(self.running());
+        if !lanes.any() {
+            return;
+        }
+        let rest = self.glow.branches - R::one();
+        self.glow.branches = R::select(lanes, rest, self.glow.branches);
+        if scene.settings.points {
+            let strata = self.strata.branched(rest.to_word());
+            self.strata = LaneStrata::select(lanes, strata, self.strata);
+        }
+        let mut distance = self.glow.distances[0];
+        for (branch, other) in self.glow.distances.iter().enumerate().skip(1) {
+            distance = R::select(rest.eq(R::splat(branch as f32)), *other, distance);
+        }
+        let point = self.camera.at(distance);
+        let Optics { albedo, phase, .. } = scene.medium.optics(&self.tracker.walk);
+        self.hit = Hit {
+            point: Vec3::select(lanes, point, self.hit.point),
+            albedo: Vec3::select(lanes, albedo, self.hit.albedo),
+            phase: Phase::select(lanes, &phase, &self.hit.phase),
+        };
+        self.ray = Ray::select(lanes, &self.camera, &self.ray);
+        let weight = self.glow.weight;
+        let throughput = Vec3::new(weight, weight, weight);
+        self.throughput = Vec3::select(lanes, throughput, self.throughput);
+        self.forced = R::select(lanes, weight * albedo.max_component(), self.forced);
+        self.depth = R::Word::select(lanes, R::Word::splat(0), self.depth);
+        self.stages[Stage::Scatter as usize] = self.at(Stage::Scatter) | lanes;
     }
 
     /// Begins paths that stand ready in the given lanes, with the streams that made them so.
@@ -536,7 +604,8 @@ where
             albedo: Vec3::select(real, albedo, self.hit.albedo),
             phase: Phase::select(real, &phase, &self.hit.phase),
         };
-        self.alpha = R::select(real, self.alpha.max(R::one()), self.alpha);
+        let seen = real & self.depth.eq(R::Word::splat(0));
+        self.alpha = R::select(seen, self.alpha.max(R::one()), self.alpha);
         if scene.geometry.overlaps() {
             // Another stretch may hold a nearer one; search on, up to here.
             self.limit = R::select(real, self.entered + t, self.limit);
@@ -603,7 +672,9 @@ where
         self.depth = self.depth + R::Word::from_mask(lanes);
         let throughput = self.throughput.times(self.hit.albedo);
         // What flights were made to leave is not lost: only losses play roulette, or paths that lose nothing would be noisy.
-        let left = if M::TIGHT && !CHROMATIC && scene.settings.forced {
+        // Branches are many because each brings little: they play for what is left of their own beginning.
+        let own = M::TIGHT && !CHROMATIC && scene.settings.forced;
+        let left = if own || Self::combs(scene) {
             throughput.max_component() / self.forced
         } else {
             throughput.max_component()
