@@ -240,7 +240,7 @@ fn truths(means: &Means) -> [(&'static str, f64); 5] {
 fn cases() -> [Case; 4] {
     let light = vec![0.2, 3.0, 0.0, 1.0];
     let many = |i: u32| {
-        if i % 3 == 0 {
+        if i.is_multiple_of(3) {
             0.05
         } else {
             0.1 * (i % 11) as f32
