@@ -355,6 +355,7 @@ impl<R: Real, S: Stream<R>, const N: usize> Stream<R> for Stratified<'_, R, S, N
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::real::Word32;
 
     const ALL: [Choice; 15] = [
         Choice::PixelX,
@@ -452,6 +453,62 @@ mod tests {
             }
         }
         assert_eq!(became, [[1 << 11; 16]; 16]);
+    }
+
+    /// The words of a choice on the way, of all paths of a replicate: one in each sixteenth, wherever it begins.
+    #[test]
+    fn choices_on_the_way_share_out_their_interval() {
+        let mut before = 0;
+        for pixel in 0..200 {
+            for index in 1..20 {
+                let mut words = [0_u32; 16];
+                for (i, word) in words.iter_mut().enumerate() {
+                    let key = key(pixel, i as u32);
+                    let strata = LaneStrata::new(strata(key).words().map(Word32));
+                    let strata = strata.with_common(Word32(common(key)));
+                    let leading = strata.leading(Choice::Flight0);
+                    *word = strata.rotated(leading, Word32(index)).0;
+                }
+                words.sort_unstable();
+                assert!(
+                    words.windows(2).all(|w| w[1] - w[0] == 1 << 28),
+                    "{words:x?}"
+                );
+                // Neighbouring choices begin anywhere.
+                let offset = words[0];
+                before += u32::from(offset > 1 << 27);
+            }
+        }
+        // 3800 of chance one half: deviation 31.
+        assert!(before.abs_diff(1900) < 6 * 31, "{before}");
+        assert_ne!(common(key(9, 0)), common(key(9, 16)));
+        assert_eq!(common(key(9, 0)), common(key(9, 15)));
+    }
+
+    /// Four branches of a path: for two choices four strata in rows and columns of their own, within the quarter of the path's.
+    #[test]
+    fn branches_lie_apart_within_a_quarter() {
+        let pairs = [
+            [Choice::Cosine0, Choice::Turn0],
+            [Choice::Cosine0, Choice::Flight1],
+            [Choice::Cosine1, Choice::Turn1],
+        ];
+        for [a, b] in pairs {
+            for sample in 0..16 {
+                let own = LaneStrata::new(strata(key(3, sample)).words().map(Word32));
+                let mut branch = own;
+                let mut seen = [0_u32; 2];
+                for rest in (0..4).rev() {
+                    branch = branch.branched(Word32(rest));
+                    for (seen, choice) in seen.iter_mut().zip([a, b]) {
+                        let digit = branch.leading(choice).0 >> 28;
+                        assert_eq!(digit >> 2, own.leading(choice).0 >> 30);
+                        *seen |= 1 << (digit & 3);
+                    }
+                }
+                assert_eq!(seen, [15, 15], "{a:?} {b:?}");
+            }
+        }
     }
 
     #[test]

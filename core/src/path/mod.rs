@@ -17,6 +17,9 @@
 //! direction. The shadow ray of a scattering runs through the same stages, as a flag of the lane, so
 //! that lanes on shadow rays and lanes in flight share every step.
 //!
+//! Where a medium shines, the camera ray may be *combed* instead: [`glow()`] finds what it sees, and launch goes to scatter, once for each of a
+//! few branches.
+//!
 //! Each step serves all lanes in its stage and no other. Which stage runs when changes no path's value,
 //! as a path draws only its own numbers in its own order; packets use that freedom to fill their
 //! lanes, and one lane simply follows the arrows.
