@@ -1,6 +1,6 @@
 //! Whole paths, sixteen at a time.
 
-use woodcock_core::medium::Controlled;
+use woodcock_core::medium::{Controlled, Medium};
 use woodcock_core::path::{self, Counts, Geometry, PathSample, Paths, Scene, Stage, Start, Tapped};
 use woodcock_core::points::{self, LaneStrata};
 use woodcock_core::real::{Mask, Word32};
@@ -13,6 +13,10 @@ use crate::queue::{Bank, Next, Queue};
 
 /// A bit for every lane.
 const ALL: u32 = (1 << WIDTH) - 1;
+
+/// The paths of all lanes.
+type WidePaths<M, const CHROMATIC: bool, const ANY_RAYLEIGH: bool> =
+    Paths<Wide, <M as Medium<Wide>>::Walk, Both<LaneStream>, CHROMATIC, ANY_RAYLEIGH>;
 
 /// A path to trace.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,17 +39,22 @@ pub fn trace<M, G, const CHROMATIC: bool, const ANY_RAYLEIGH: bool>(
     mut land: impl FnMut(usize, PathSample),
 ) -> Counts
 where
-    M: Tapped<Wide>,
+    M: Tapped<Lanes> + Tapped<Wide>,
     G: Geometry<Lanes> + Geometry<Wide> + ?Sized,
 {
-    let mut paths =
-        Paths::<Wide, M::Walk, Both<LaneStream>, CHROMATIC, ANY_RAYLEIGH>::idle(scene.medium);
+    let mut paths = WidePaths::<M, CHROMATIC, ANY_RAYLEIGH>::idle(scene.medium);
     let mut queue = Queue::new(requests);
     let mut owners = [0_usize; WIDTH];
     // Lanes with an owner, one bit each.
     let mut held = 0_u32;
+    let combs = WidePaths::<M, CHROMATIC, ANY_RAYLEIGH>::combs(scene);
     loop {
-        let mut free = !paths.running().bits() & ALL;
+        let mut running = paths.running().bits();
+        if running != ALL && combs {
+            paths.branch(scene);
+            running = paths.running().bits();
+        }
+        let mut free = !running & ALL;
         if free != 0 {
             while free != 0 {
                 let lane = free.trailing_zeros() as usize % WIDTH;
@@ -55,12 +64,18 @@ where
                     land(owners[lane], paths.sample(lane));
                     held ^= bit;
                 }
-                if let Some(place) = queue.next(scene, paths.counts_mut(), &mut land) {
+                if let Some(place) = queue.next(scene, combs, paths.counts_mut(), &mut land) {
                     owners[lane] = queue.owners[place];
                     held |= bit;
                     paths.stream().set_state(lane, queue.ready.stream(place));
                     paths.launch(lane, &queue.ready.start(place));
+                    if combs {
+                        paths.launch_glowing(lane, &queue.ready.glow(place));
+                    }
                 }
+            }
+            if combs {
+                paths.branch(scene);
             }
             if held == 0 {
                 return *paths.counts();
@@ -159,20 +174,30 @@ where
 {
     let mut stream = PathStream::new(request.key);
     let strata = if scene.settings.points {
-        LaneStrata::new(points::strata(request.key).words().map(Word32))
+        let common = Word32(points::common(request.key));
+        LaneStrata::new(points::strata(request.key).words().map(Word32)).with_common(common)
     } else {
         LaneStrata::idle()
     };
     let place = [request.x as f32, request.y as f32];
     let start = Start::new(scene, place, strata, &mut stream, true);
     let mut paths = Paths::<f32, M::Walk, PathStream, CHROMATIC, ANY_RAYLEIGH>::idle(scene.medium);
+    let combs = Paths::<f32, M::Walk, PathStream, CHROMATIC, ANY_RAYLEIGH>::combs(scene);
+    let glow = combs.then(|| path::glow(scene, &start, &mut stream, true, paths.counts_mut()));
     *paths.stream() = stream;
     paths.launch(0, &start);
+    if let Some(glow) = &glow {
+        paths.launch_glowing(0, glow);
+        paths.branch(scene);
+    }
     while paths.running() {
         for stage in [Stage::Track, Stage::Collide, Stage::Scatter, Stage::Enter] {
             if paths.at(stage) {
                 paths.step(scene, stage);
             }
+        }
+        if combs {
+            paths.branch(scene);
         }
     }
     counts.add(paths.counts());

@@ -3,7 +3,7 @@
 use crate::collision;
 use crate::majorant::Tracker;
 use crate::path::{
-    Counts, Geometry, Optics, PathSample, Scene, ShadowEstimator, Start, Stretch, Tapped,
+    Counts, Geometry, Glow, Optics, PathSample, Scene, ShadowEstimator, Start, Stretch, Tapped,
 };
 use crate::phase::Phase;
 use crate::points::{Choice, LaneStrata, Stratified};
@@ -70,6 +70,9 @@ pub struct Paths<R: Real, W, S, const CHROMATIC: bool, const ANY_RAYLEIGH: bool>
     shadow: R::Mask,
     /// Chance of the camera ray to meet a medium's particles.
     alpha: R,
+    /// What camera rays see, the branches that are still to come, and the rays.
+    glow: Glow<R>,
+    camera: Ray<R>,
     /// Lanes on their way to the first tentative collision of a camera ray.
     opening: R::Mask,
     stages: [R::Mask; 4],
@@ -132,6 +135,11 @@ where
             pdf: R::zero(),
             shadow: none,
             alpha: R::zero(),
+            glow: Glow::none(),
+            camera: Ray {
+                origin: zero,
+                direction: zero,
+            },
             opening: none,
             stages: [none; 4],
             counts: Counts::default(),
@@ -225,6 +233,61 @@ where
         self.limit.set_lane(lane, FAR);
         self.counts.paths += 1;
         self.stages[Stage::Enter as usize].set_lane(lane, true);
+    }
+
+    /// Whether paths begin with the [glow](glow()) of what is before them.
+    #[inline(always)]
+    pub fn combs<M: Tapped<R>, G: ?Sized>(scene: &Scene<'_, M, G>) -> bool {
+        M::SHINES && !CHROMATIC && scene.settings.combed
+    }
+
+    /// Gives a path that was just launched what its camera ray was found to see; it waits for [`branch`](Self::branch).
+    #[inline(always)]
+    pub fn launch_glowing(&mut self, lane: usize, glow: &Glow<f32>) {
+        self.stages[Stage::Enter as usize].set_lane(lane, false);
+        // The camera ray is done with its stretches.
+        self.first.found.set_lane(lane, false);
+        self.camera
+            .origin
+            .set_lane(lane, self.ray.origin.lane(lane));
+        let direction = self.ray.direction.lane(lane);
+        self.camera.direction.set_lane(lane, direction);
+        self.radiance.set_lane(lane, glow.radiance.lane(0));
+        self.alpha.set_lane(lane, glow.alpha);
+        self.glow.set_lane(lane, glow);
+    }
+
+    /// Begins the next branch of all paths that have run to an end and have another.
+    #[inline(always)]
+    pub fn branch<M: Tapped<R, Walk = W>, G: ?Sized>(&mut self, scene: &Scene<'_, M, G>) {
+        let lanes = R::zero().lt(self.glow.branches).and_not(self.running());
+        if !lanes.any() {
+            return;
+        }
+        let rest = self.glow.branches - R::one();
+        self.glow.branches = R::select(lanes, rest, self.glow.branches);
+        if scene.settings.points {
+            let strata = self.strata.branched(rest.to_word());
+            self.strata = LaneStrata::select(lanes, strata, self.strata);
+        }
+        let mut distance = self.glow.distances[0];
+        for (branch, other) in self.glow.distances.iter().enumerate().skip(1) {
+            distance = R::select(rest.eq(R::splat(branch as f32)), *other, distance);
+        }
+        let point = self.camera.at(distance);
+        let Optics { albedo, phase, .. } = scene.medium.optics(&self.tracker.walk);
+        self.hit = Hit {
+            point: Vec3::select(lanes, point, self.hit.point),
+            albedo: Vec3::select(lanes, albedo, self.hit.albedo),
+            phase: Phase::select(lanes, &phase, &self.hit.phase),
+        };
+        self.ray = Ray::select(lanes, &self.camera, &self.ray);
+        let weight = self.glow.weight;
+        let throughput = Vec3::new(weight, weight, weight);
+        self.throughput = Vec3::select(lanes, throughput, self.throughput);
+        self.forced = R::select(lanes, weight * albedo.max_component(), self.forced);
+        self.depth = R::Word::select(lanes, R::Word::splat(0), self.depth);
+        self.stages[Stage::Scatter as usize] = self.at(Stage::Scatter) | lanes;
     }
 
     #[inline(always)]
@@ -534,7 +597,8 @@ where
             albedo: Vec3::select(real, albedo, self.hit.albedo),
             phase: Phase::select(real, &phase, &self.hit.phase),
         };
-        self.alpha = R::select(real, self.alpha.max(R::one()), self.alpha);
+        let seen = real & self.depth.eq(R::Word::splat(0));
+        self.alpha = R::select(seen, self.alpha.max(R::one()), self.alpha);
         if scene.geometry.overlaps() {
             // Another stretch may hold a nearer one; search on, up to here.
             self.limit = R::select(real, self.entered + t, self.limit);
@@ -601,7 +665,9 @@ where
         self.depth = self.depth + R::Word::from_mask(lanes);
         let throughput = self.throughput.times(self.hit.albedo);
         // What flights were made to leave is not lost: only losses play roulette, or paths that lose nothing would be noisy.
-        let left = if M::TIGHT && !CHROMATIC && scene.settings.forced {
+        // Branches are many because each brings little: they play for what is left of their own beginning.
+        let own = M::TIGHT && !CHROMATIC && scene.settings.forced;
+        let left = if own || Self::combs(scene) {
             throughput.max_component() / self.forced
         } else {
             throughput.max_component()
