@@ -229,7 +229,7 @@ fn picture(scene: &Yardstick, samples: u32, rounds: u64) -> Result<(), Box<dyn E
         ns(lanes),
         median(ratios),
         counts.tentative_collisions as f64 / counts.paths as f64,
-        counts.busy_lanes as f64 / (LANES as u64 * counts.steps.max(1)) as f64,
+        counts.busy_lanes as f64 / counts.lanes.max(1) as f64,
     );
     Ok(())
 }

@@ -33,6 +33,12 @@ pub trait Mask:
     fn count(self) -> u32;
     /// The truth of one lane; `false` beyond the last lane.
     fn lane(self, lane: usize) -> bool;
+    /// Replaces the truth of one lane; nothing beyond the last lane.
+    fn set_lane(&mut self, lane: usize, value: bool);
+    /// One bit a lane, lane zero lowest.
+    fn bits(self) -> u32;
+    /// The lanes whose bit is set; bits beyond the last lane are ignored.
+    fn from_bits(bits: u32) -> Self;
     /// Lanes of `self` that are not in `other`.
     #[inline(always)]
     fn and_not(self, other: Self) -> Self {
@@ -198,6 +204,20 @@ impl Mask for bool {
     #[inline(always)]
     fn lane(self, lane: usize) -> bool {
         self && lane == 0
+    }
+    #[inline(always)]
+    fn set_lane(&mut self, lane: usize, value: bool) {
+        if lane == 0 {
+            *self = value;
+        }
+    }
+    #[inline(always)]
+    fn bits(self) -> u32 {
+        u32::from(self)
+    }
+    #[inline(always)]
+    fn from_bits(bits: u32) -> Self {
+        bits & 1 == 1
     }
 }
 

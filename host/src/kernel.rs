@@ -5,6 +5,7 @@ use woodcock_core::path::{
     Atlas, Counts, Geometry, MediumRecord, OneHomogeneous, PathSample, RecordKind, Scene, Shining,
     Tapped,
 };
+use woodcock_packet::both::Wide;
 use woodcock_packet::lanes::Lanes;
 use woodcock_packet::trace::{self, PathRequest};
 
@@ -20,19 +21,22 @@ trait Job {
     ) -> Self::Output
     where
         M: AnyMedium,
-        G: Geometry<f32> + Geometry<Lanes> + Sync + ?Sized;
+        G: Geometry<f32> + Geometry<Lanes> + Geometry<Wide> + Sync + ?Sized;
 }
 
 /// A medium for both widths.
-trait AnyMedium: Tapped<f32> + Controlled<f32> + Tapped<Lanes> + Controlled<Lanes> + Sync {}
+trait AnyMedium:
+    Tapped<f32> + Controlled<f32> + Tapped<Lanes> + Controlled<Lanes> + Tapped<Wide> + Sync
+{
+}
 impl<M> AnyMedium for M where
-    M: Tapped<f32> + Controlled<f32> + Tapped<Lanes> + Controlled<Lanes> + Sync
+    M: Tapped<f32> + Controlled<f32> + Tapped<Lanes> + Controlled<Lanes> + Tapped<Wide> + Sync
 {
 }
 
 /// Geometry for both widths, behind one pointer: a call a ray, not a call a step.
-trait AnyGeometry: Geometry<f32> + Geometry<Lanes> + Sync {}
-impl<G: Geometry<f32> + Geometry<Lanes> + Sync> AnyGeometry for G {}
+trait AnyGeometry: Geometry<f32> + Geometry<Lanes> + Geometry<Wide> + Sync {}
+impl<G: Geometry<f32> + Geometry<Lanes> + Geometry<Wide> + Sync> AnyGeometry for G {}
 
 /// A ray that meets nothing.
 #[derive(Debug)]
@@ -205,7 +209,7 @@ impl Job for Trace<'_, '_> {
     ) -> Counts
     where
         M: AnyMedium,
-        G: Geometry<f32> + Geometry<Lanes> + Sync + ?Sized,
+        G: Geometry<f32> + Geometry<Lanes> + Geometry<Wide> + Sync + ?Sized,
     {
         let requests = self.requests.iter();
         match (self.plan.kernel, self.absorbs) {
@@ -306,7 +310,7 @@ impl Job for Replay {
     ) -> Self::Output
     where
         M: AnyMedium,
-        G: Geometry<f32> + Geometry<Lanes> + Sync + ?Sized,
+        G: Geometry<f32> + Geometry<Lanes> + Geometry<Wide> + Sync + ?Sized,
     {
         let mut counts = Counts::default();
         let path =

@@ -27,6 +27,20 @@ impl LaneStream {
         self.odd = vector::select(odd_mask, odd, self.odd);
     }
 
+    /// Replaces the state of one lane < 8, from its lower and upper half.
+    #[inline(always)]
+    pub(crate) fn set_state(&mut self, lane: usize, [low, high]: [u32; 2]) {
+        let states = if lane.is_multiple_of(2) {
+            &mut self.even
+        } else {
+            &mut self.odd
+        };
+        let halves = states.as_mut_array();
+        let at = lane & !1 & (LANES - 1);
+        halves[at] = low;
+        halves[at + 1] = high;
+    }
+
     /// The lower and upper halves of the states, by lane.
     #[inline(always)]
     pub(crate) fn states(&self) -> [[u32; LANES]; 2] {
@@ -202,7 +216,7 @@ mod vector {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use woodcock_core::real::Word32;
+    use woodcock_core::real::{Mask, Word32};
     use woodcock_core::stream::PathStream;
 
     #[test]

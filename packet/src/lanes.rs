@@ -78,17 +78,6 @@ impl LaneWords {
 }
 
 impl LaneMask {
-    /// One bit a lane, lane zero lowest.
-    #[inline(always)]
-    pub fn bits(self) -> u32 {
-        self.0.to_bitmask()
-    }
-    /// The lanes whose bit is set.
-    #[inline(always)]
-    pub fn from_bits(bits: u32) -> Self {
-        let place = u32x8::new([1, 2, 4, 8, 16, 32, 64, 128]);
-        Self(cast((u32x8::splat(bits) & place).simd_eq(place)))
-    }
     #[inline(always)]
     pub(crate) fn words(self) -> u32x8 {
         cast(self.0)
@@ -146,6 +135,21 @@ impl Mask for LaneMask {
     #[inline(always)]
     fn lane(self, lane: usize) -> bool {
         lane < LANES && self.bits() >> lane & 1 == 1
+    }
+    #[inline(always)]
+    fn set_lane(&mut self, lane: usize, value: bool) {
+        if let Some(bits) = self.0.as_mut_array().get_mut(lane) {
+            *bits = f32::from_bits(if value { u32::MAX } else { 0 });
+        }
+    }
+    #[inline(always)]
+    fn bits(self) -> u32 {
+        self.0.to_bitmask()
+    }
+    #[inline(always)]
+    fn from_bits(bits: u32) -> Self {
+        let place = u32x8::new([1, 2, 4, 8, 16, 32, 64, 128]);
+        Self(cast((u32x8::splat(bits) & place).simd_eq(place)))
     }
 }
 

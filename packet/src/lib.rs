@@ -15,6 +15,7 @@
 extern crate alloc;
 
 pub mod bits;
+pub mod both;
 pub mod bundle;
 mod gather;
 pub mod lanes;

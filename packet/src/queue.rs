@@ -1,8 +1,11 @@
 //! Requests on their way to lanes.
 
-use woodcock_core::path::{Counts, Geometry, PathSample, Scene, Start, Stretch};
+use woodcock_core::path::{
+    self, BRANCHES, Counts, Geometry, Glow, PathSample, Scene, Start, Stretch, Tapped,
+};
 use woodcock_core::points::{self, LaneStrata, Strata};
 use woodcock_core::ray::{Interval, Ray};
+use woodcock_core::real::{Mask, Real, Word32};
 use woodcock_core::stream::{Key, KeyedStream};
 use woodcock_core::vec3::Vec3;
 
@@ -16,6 +19,7 @@ pub(crate) struct Next {
     pub(crate) place: [[f32; LANES]; 2],
     pub(crate) state: [[u32; LANES]; 2],
     pub(crate) strata: [[u32; LANES]; 2],
+    pub(crate) common: [u32; LANES],
 }
 
 impl Next {
@@ -41,6 +45,7 @@ impl Next {
             self.set(lane, &request);
             if let Some(bank) = &mut bank {
                 self.set_strata(lane, bank.strata(request.key));
+                self.common[lane] = bank.common;
             }
             taken = lane + 1;
         }
@@ -53,7 +58,8 @@ impl Next {
         let mut stream = LaneStream::idle();
         let [low, high] = self.state.map(LaneWords::new);
         stream.set_states(low, high, lanes);
-        let strata = LaneStrata::new(self.strata.map(LaneWords::new));
+        let strata = LaneStrata::new(self.strata.map(LaneWords::new))
+            .with_common(LaneWords::new(self.common));
         (stream, self.place.map(Lanes::new), strata)
     }
 
@@ -71,8 +77,11 @@ pub(crate) struct Ready {
     /// Origin and direction of each ray, beginning and end of its first stretch.
     numbers: [[f32; LANES]; 8],
     medium: [u32; LANES],
-    pub(crate) state: [[u32; LANES]; 2],
+    state: [[u32; LANES]; 2],
     strata: [[u32; LANES]; 2],
+    /// Radiance, hidden part, number and weight of branches.
+    seen: [[f32; LANES]; 6],
+    distances: [[f32; LANES]; BRANCHES],
 }
 
 impl Ready {
@@ -84,24 +93,45 @@ impl Ready {
             medium: start.first.medium.to_array(),
             state: stream.states(),
             strata: start.strata.words().map(LaneWords::to_array),
+            seen: Default::default(),
+            distances: Default::default(),
         }
     }
 
-    #[inline(always)]
-    pub(crate) fn copy(&mut self, lane: usize, from: &Self, place: usize) {
-        for (to, from) in self.numbers.iter_mut().zip(&from.numbers) {
-            to[lane] = from[place];
-        }
-        self.medium[lane] = from.medium[place];
-        for half in 0..2 {
-            self.state[half][lane] = from.state[half][place];
-            self.strata[half][lane] = from.strata[half][place];
+    fn set_glow(&mut self, glow: &Glow<Lanes>) {
+        let l = glow.radiance;
+        self.seen = [l.x, l.y, l.z, glow.alpha, glow.branches, glow.weight].map(Lanes::to_array);
+        self.distances = glow.distances.map(Lanes::to_array);
+    }
+
+    /// What a path has found by its beginning.
+    fn found(&self, place: usize) -> PathSample {
+        let glow = self.glow(place);
+        PathSample {
+            radiance: glow.radiance.lane(0),
+            alpha: glow.alpha,
         }
     }
 
+    /// What the path of a place < 8 has found, if it goes on.
     #[inline(always)]
-    pub(crate) fn start(&self, found: LaneMask) -> Start<Lanes> {
-        let [ox, oy, oz, dx, dy, dz, t0, t1] = self.numbers.map(Lanes::new);
+    pub(crate) fn glow(&self, place: usize) -> Glow<f32> {
+        let place = place % LANES;
+        let [r, g, b, alpha, branches, weight] = core::array::from_fn(|i| self.seen[i][place]);
+        Glow {
+            radiance: Vec3::new(r, g, b),
+            alpha,
+            branches,
+            weight,
+            distances: core::array::from_fn(|i| self.distances[i][place]),
+        }
+    }
+
+    /// The path of a place < 8.
+    #[inline(always)]
+    pub(crate) fn start(&self, place: usize) -> Start<f32> {
+        let place = place % LANES;
+        let [ox, oy, oz, dx, dy, dz, t0, t1] = core::array::from_fn(|i| self.numbers[i][place]);
         Start {
             ray: Ray {
                 origin: Vec3::new(ox, oy, oz),
@@ -109,11 +139,18 @@ impl Ready {
             },
             first: Stretch {
                 interval: Interval { t0, t1 },
-                medium: LaneWords::new(self.medium),
-                found,
+                medium: Word32(self.medium[place]),
+                found: true,
             },
-            strata: LaneStrata::new(self.strata.map(LaneWords::new)),
+            strata: LaneStrata::new(core::array::from_fn(|i| Word32(self.strata[i][place]))),
         }
+    }
+
+    /// The stream of a place < 8, its lower and upper half.
+    #[inline(always)]
+    pub(crate) fn stream(&self, place: usize) -> [u32; 2] {
+        let place = place % LANES;
+        [self.state[0][place], self.state[1][place]]
     }
 }
 
@@ -143,16 +180,23 @@ impl<I: Iterator<Item = PathRequest>> Queue<I> {
     }
 
     /// The place of a path that stands ready; `None` when all requests are under way. The samples of rays that meet
-    /// nothing land at once.
+    /// nothing, and those that end with what is before them, land at once.
+    ///
+    /// * `combs`: whether paths begin with their [glow](path::glow).
     #[inline(always)]
-    pub(crate) fn next<M, G: Geometry<Lanes> + ?Sized>(
+    pub(crate) fn next<M, G>(
         &mut self,
         scene: &Scene<'_, M, G>,
+        combs: bool,
         counts: &mut Counts,
         land: &mut impl FnMut(usize, PathSample),
-    ) -> Option<usize> {
+    ) -> Option<usize>
+    where
+        M: Tapped<Lanes>,
+        G: Geometry<Lanes> + ?Sized,
+    {
         while self.waiting == 0 {
-            if !self.fill(scene, counts, land) {
+            if !self.fill(scene, combs, counts, land) {
                 return None;
             }
         }
@@ -163,12 +207,17 @@ impl<I: Iterator<Item = PathRequest>> Queue<I> {
 
     /// Makes the next eight camera rays ready; whether there were any.
     #[inline(never)]
-    fn fill<M, G: Geometry<Lanes> + ?Sized>(
+    fn fill<M, G>(
         &mut self,
         scene: &Scene<'_, M, G>,
+        combs: bool,
         counts: &mut Counts,
         land: &mut impl FnMut(usize, PathSample),
-    ) -> bool {
+    ) -> bool
+    where
+        M: Tapped<Lanes>,
+        G: Geometry<Lanes> + ?Sized,
+    {
         let bank = scene.settings.points.then_some(&mut self.bank);
         let begun = self.next.take(&mut self.requests, bank);
         if begun == 0 {
@@ -179,8 +228,24 @@ impl<I: Iterator<Item = PathRequest>> Queue<I> {
         let lanes = LaneMask::from_bits((1 << begun) - 1);
         let (mut stream, place, strata) = self.next.begin(lanes);
         let start = Start::new(scene, place, strata, &mut stream, lanes);
+        let mut going = start.first.found;
+        let glow = if M::SHINES && combs {
+            let glow = path::glow(scene, &start, &mut stream, lanes, counts);
+            going = going & Lanes::zero().lt(glow.branches);
+            Some(glow)
+        } else {
+            None
+        };
         self.ready = Ready::new(&start, &stream);
-        self.waiting = start.first.found.bits();
+        self.waiting = going.bits();
+        if let Some(glow) = &glow {
+            self.ready.set_glow(glow);
+            for lane in (0..begun).filter(|lane| self.waiting >> lane & 1 == 0) {
+                counts.paths += 1;
+                land(self.owners[lane], self.ready.found(lane));
+            }
+            return true;
+        }
         let missed = PathSample {
             radiance: scene.lights.environment,
             alpha: 0.0,
@@ -197,6 +262,7 @@ impl<I: Iterator<Item = PathRequest>> Queue<I> {
 #[derive(Debug, Default)]
 pub(crate) struct Bank {
     of: Option<Key>,
+    common: u32,
     strata: [Strata; points::REPLICATE as usize],
 }
 
@@ -210,6 +276,7 @@ impl Bank {
         if self.of != Some(first) {
             self.of = Some(first);
             self.strata = points::replicate(key);
+            self.common = points::common(key);
         }
         self.strata[(key.sample % points::REPLICATE) as usize]
     }

@@ -2,7 +2,7 @@
 
 use woodcock_core::path::{Counts, PathSample};
 use woodcock_core::points::{self, LaneStrata};
-use woodcock_core::real::Word32;
+use woodcock_core::real::{Mask, Word32};
 use woodcock_core::room::{Room, Walks};
 use woodcock_core::stream::{KeyedStream, PathStream};
 

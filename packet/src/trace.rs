@@ -1,14 +1,22 @@
-//! Whole paths, eight at a time.
+//! Whole paths, sixteen at a time.
 
-use woodcock_core::medium::Controlled;
-use woodcock_core::path::{self, Counts, Geometry, PathSample, Paths, Scene, Stage, Tapped};
+use woodcock_core::medium::{Controlled, Medium};
+use woodcock_core::path::{self, Counts, Geometry, PathSample, Paths, Scene, Stage, Start, Tapped};
 use woodcock_core::points::{self, LaneStrata};
 use woodcock_core::real::{Mask, Word32};
-use woodcock_core::stream::{Key, KeyedStream, PathStream};
+use woodcock_core::stream::{Key, PathStream};
 
 use crate::bits::LaneStream;
-use crate::lanes::{LANES, LaneMask, LaneWords, Lanes};
-use crate::queue::{Bank, Next, Queue, Ready};
+use crate::both::{Both, WIDTH, Wide};
+use crate::lanes::{LANES, LaneMask, Lanes};
+use crate::queue::{Bank, Next, Queue};
+
+/// A bit for every lane.
+const ALL: u32 = (1 << WIDTH) - 1;
+
+/// The paths of all lanes.
+type WidePaths<M, const CHROMATIC: bool, const ANY_RAYLEIGH: bool> =
+    Paths<Wide, <M as Medium<Wide>>::Walk, Both<LaneStream>, CHROMATIC, ANY_RAYLEIGH>;
 
 /// A path to trace.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,40 +39,43 @@ pub fn trace<M, G, const CHROMATIC: bool, const ANY_RAYLEIGH: bool>(
     mut land: impl FnMut(usize, PathSample),
 ) -> Counts
 where
-    M: Tapped<Lanes>,
-    G: Geometry<Lanes> + ?Sized,
+    M: Tapped<Lanes> + Tapped<Wide>,
+    G: Geometry<Lanes> + Geometry<Wide> + ?Sized,
 {
-    let mut paths =
-        Paths::<Lanes, M::Walk, LaneStream, CHROMATIC, ANY_RAYLEIGH>::idle(scene.medium);
+    let mut paths = WidePaths::<M, CHROMATIC, ANY_RAYLEIGH>::idle(scene.medium);
     let mut queue = Queue::new(requests);
-    let mut owners = [0_usize; LANES];
+    let mut owners = [0_usize; WIDTH];
+    // Lanes with an owner, one bit each.
     let mut held = 0_u32;
-    let mut ready = Ready::default();
+    let combs = WidePaths::<M, CHROMATIC, ANY_RAYLEIGH>::combs(scene);
     loop {
-        let running = paths.running().bits();
-        if running != 0xff {
-            let mut begun = 0_u32;
-            for (lane, owner) in owners.iter_mut().enumerate() {
-                let bit = 1 << lane;
-                if running & bit != 0 {
-                    continue;
-                }
+        let mut running = paths.running().bits();
+        if running != ALL && combs {
+            paths.branch(scene);
+            running = paths.running().bits();
+        }
+        let mut free = !running & ALL;
+        if free != 0 {
+            while free != 0 {
+                let lane = free.trailing_zeros() as usize % WIDTH;
+                let bit = free & free.wrapping_neg();
+                free ^= bit;
                 if held & bit != 0 {
-                    land(*owner, paths.sample(lane));
-                    held &= !bit;
+                    land(owners[lane], paths.sample(lane));
+                    held ^= bit;
                 }
-                if let Some(place) = queue.next(scene, paths.counts_mut(), &mut land) {
-                    *owner = queue.owners[place];
+                if let Some(place) = queue.next(scene, combs, paths.counts_mut(), &mut land) {
+                    owners[lane] = queue.owners[place];
                     held |= bit;
-                    begun |= bit;
-                    ready.copy(lane, &queue.ready, place);
+                    paths.stream().set_state(lane, queue.ready.stream(place));
+                    paths.launch(lane, &queue.ready.start(place));
+                    if combs {
+                        paths.launch_glowing(lane, &queue.ready.glow(place));
+                    }
                 }
             }
-            if begun != 0 {
-                let begun = LaneMask::from_bits(begun);
-                let [low, high] = ready.state.map(LaneWords::new);
-                paths.stream().set_states(low, high, begun);
-                paths.launch_at(&ready.start(begun), begun);
+            if combs {
+                paths.branch(scene);
             }
             if held == 0 {
                 return *paths.counts();
@@ -120,6 +131,7 @@ where
             &mut counts,
         );
         counts.steps += 1;
+        counts.lanes += LANES as u64;
         counts.busy_lanes += begun as u64;
         for lane in 0..begun {
             land(done + lane, path::sample_of(&found, lane));
@@ -145,6 +157,7 @@ where
     let found =
         path::absorb::<f32, M, G, CHROMATIC>(scene, place, &strata, &mut stream, true, counts);
     counts.steps += 1;
+    counts.lanes += 1;
     counts.busy_lanes += 1;
     path::sample_of(&found, 0)
 }
@@ -159,18 +172,32 @@ where
     M: Tapped<f32>,
     G: Geometry<f32> + ?Sized,
 {
+    let mut stream = PathStream::new(request.key);
+    let strata = if scene.settings.points {
+        let common = Word32(points::common(request.key));
+        LaneStrata::new(points::strata(request.key).words().map(Word32)).with_common(common)
+    } else {
+        LaneStrata::idle()
+    };
+    let place = [request.x as f32, request.y as f32];
+    let start = Start::new(scene, place, strata, &mut stream, true);
     let mut paths = Paths::<f32, M::Walk, PathStream, CHROMATIC, ANY_RAYLEIGH>::idle(scene.medium);
-    KeyedStream::<f32>::set_key(paths.stream(), 0, request.key);
-    if scene.settings.points {
-        let strata = points::strata(request.key).words().map(Word32);
-        paths.set_strata(LaneStrata::new(strata), true);
+    let combs = Paths::<f32, M::Walk, PathStream, CHROMATIC, ANY_RAYLEIGH>::combs(scene);
+    let glow = combs.then(|| path::glow(scene, &start, &mut stream, true, paths.counts_mut()));
+    *paths.stream() = stream;
+    paths.launch(0, &start);
+    if let Some(glow) = &glow {
+        paths.launch_glowing(0, glow);
+        paths.branch(scene);
     }
-    paths.launch(scene, request.x as f32, request.y as f32, true);
     while paths.running() {
         for stage in [Stage::Track, Stage::Collide, Stage::Scatter, Stage::Enter] {
             if paths.at(stage) {
                 paths.step(scene, stage);
             }
+        }
+        if combs {
+            paths.branch(scene);
         }
     }
     counts.add(paths.counts());

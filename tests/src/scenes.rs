@@ -14,6 +14,7 @@ use woodcock_core::path::{
 };
 use woodcock_core::ray::{Interval, Ray};
 use woodcock_core::real::{Mask, Real, Word};
+use woodcock_packet::both::Wide;
 use woodcock_packet::lanes::Lanes;
 
 /// Pixels along each side of a film.
@@ -27,8 +28,8 @@ pub trait Visitor {
         name: &str,
         scene: &Scene<'_, M, G>,
     ) where
-        M: Tapped<f32> + Tapped<Lanes>,
-        G: Geometry<f32> + Geometry<Lanes>;
+        M: Tapped<f32> + Tapped<Lanes> + Tapped<Wide>,
+        G: Geometry<f32> + Geometry<Lanes> + Geometry<Wide>;
 }
 
 /// Shapes that may overlap, each with a medium of its own number.

@@ -116,20 +116,26 @@ pub struct GridWalk<R: Real> {
 }
 
 impl<R: Real> GridWalk<R> {
-    /// A walk with no ray yet.
+    /// A walk with no ray yet, in no grid.
     pub fn idle() -> Self {
+        let zero = R::Word::splat(0);
+        Self::within(GridLayout {
+            samples: zero,
+            strides: [zero; 2],
+            majorants: zero,
+            majorant_strides: [zero; 2],
+            edge: R::splat(BLOCK as f32),
+            last: Vec3::uniform(0.0),
+            scale: R::zero(),
+        })
+    }
+
+    /// A walk with no ray yet, in one grid for good.
+    pub fn within(layout: GridLayout<R>) -> Self {
         let zero = R::Word::splat(0);
         let nowhere = Vec3::uniform(0.0);
         Self {
-            layout: GridLayout {
-                samples: zero,
-                strides: [zero; 2],
-                majorants: zero,
-                majorant_strides: [zero; 2],
-                edge: R::splat(BLOCK as f32),
-                last: nowhere,
-                scale: R::zero(),
-            },
+            layout,
             origin: nowhere,
             direction: nowhere,
             inverse: nowhere,
@@ -143,7 +149,7 @@ impl<R: Real> GridWalk<R> {
         }
     }
 
-    /// Puts the active lanes at the origin of a ray that begins within the grid's domain.
+    /// Puts the active lanes at the origin of a ray that begins within a grid's domain.
     ///
     /// `ray`: in grid space; the direction's length is what a unit of t covers there.
     #[inline(always)]
@@ -154,6 +160,14 @@ impl<R: Real> GridWalk<R> {
         majorants: &[f32],
         active: R::Mask,
     ) {
+        self.layout = GridLayout::select(active, layout, &self.layout);
+        self.enter(ray, majorants, active);
+    }
+
+    /// As [`begin`](Self::begin), in the grid that the lanes are in.
+    #[inline(always)]
+    pub fn enter(&mut self, ray: &Ray<R>, majorants: &[f32], active: R::Mask) {
+        let layout = &self.layout;
         let edge = layout.edge;
         let blocks = R::one() / edge;
         let one = R::Word::splat(1);
@@ -191,7 +205,6 @@ impl<R: Real> GridWalk<R> {
         let octant = bit(backward[0], CODE_BITS)
             + bit(backward[1], 2 * CODE_BITS)
             + bit(backward[2], 4 * CODE_BITS);
-        self.layout = GridLayout::select(active, layout, &self.layout);
         self.origin = Vec3::select(active, ray.origin, self.origin);
         self.direction = Vec3::select(active, ray.direction, self.direction);
         self.inverse = Vec3::select(active, ray.direction.map(bounded_reciprocal), self.inverse);

@@ -21,6 +21,8 @@ pub struct Counts {
     pub majorant_violations: u64,
     /// Steps taken, all lanes together counting once.
     pub steps: u64,
+    /// Lanes, summed over steps.
+    pub lanes: u64,
     /// Lanes that held an unfinished path, summed over steps.
     pub busy_lanes: u64,
 }
@@ -37,6 +39,7 @@ impl Counts {
         self.majorant_cells += other.majorant_cells;
         self.majorant_violations += other.majorant_violations;
         self.steps += other.steps;
+        self.lanes += other.lanes;
         self.busy_lanes += other.busy_lanes;
     }
 }

@@ -34,7 +34,7 @@ pub trait PathMedium<R: Real>: Medium<R> {
 
 /// A medium of packets: the extinction at a place is that of one sample of a table, picked at random.
 pub trait Tapped<R: Real>: PathMedium<R> + Sized {
-    /// Whether it sends out light.
+    /// Whether it sends out light; its optics are then the same everywhere.
     const SHINES: bool = false;
 
     /// σ_a L_e by colour \[W/(m³ sr)\] at a place of the world, of a tap's extinction [1/length].

@@ -17,6 +17,9 @@
 //! direction. The shadow ray of a scattering runs through the same stages, as a flag of the lane, so
 //! that lanes on shadow rays and lanes in flight share every step.
 //!
+//! Where a medium shines, the camera ray may be *combed* instead: [`glow()`] finds what it sees, and launch goes to scatter, once for each of a
+//! few branches.
+//!
 //! Each step serves all lanes in its stage and no other. Which stage runs when changes no path's value,
 //! as a path draws only its own numbers in its own order; packets use that freedom to fill their
 //! lanes, and one lane simply follows the arrows.
@@ -25,11 +28,13 @@ mod absorption;
 mod bricks;
 mod counts;
 mod geometry;
+mod glow;
 mod media;
 mod one_grid;
 mod source;
 mod start;
 mod state;
+mod stratum;
 
 pub use absorption::{absorb, sample_of};
 pub use bricks::{
@@ -37,6 +42,7 @@ pub use bricks::{
 };
 pub use counts::Counts;
 pub use geometry::{Convex, Geometry, Stretch};
+pub use glow::{BRANCHES, Glow, glow};
 pub use media::{
     Atlas, Decided, MediumRecord, OneHomogeneous, Optics, PathMedium, RECORD_WORDS, RecordKind,
     Tapped,
@@ -45,6 +51,7 @@ pub use one_grid::{OneGrid, Store};
 pub use source::{BlackBodies, Field, Radiance, Shining, Source};
 pub use start::Start;
 pub use state::{Paths, Stage};
+pub use stratum::STRATUM;
 
 use crate::camera::Camera;
 use crate::light::Lights;
@@ -75,6 +82,9 @@ pub struct Settings {
     /// Whether each flight within a medium of constant extinction collides, what would have passed being scored as it
     /// goes; for scenes whose rays meet one stretch of one medium at most.
     pub forced: bool,
+    /// Whether combs of points along camera rays find what they see of a medium that shines, and paths begin with its
+    /// scatterings; for a single medium whose stretches of a ray do not overlap.
+    pub combed: bool,
     /// The density of scattering towards a light, times throughput [1/sr], below which a shadow ray plays roulette for
     /// being traced at all; positive. Those that are traced bring at least as much but for what is in their way, and play
     /// roulette again where that leaves little of it.
@@ -95,6 +105,7 @@ impl Default for Settings {
             shadow: ShadowEstimator::ByNeed,
             points: false,
             forced: false,
+            combed: false,
             faint: 0.06,
             roulette: 0.25,
         }

@@ -70,17 +70,12 @@ impl<R: Real> Medium<R> for OneGrid<'_> {
 
     #[inline(always)]
     fn idle(&self) -> GridWalk<R> {
-        GridWalk::idle()
+        GridWalk::within(constant::<R>(&self.words).layout::<R>())
     }
     #[inline(always)]
     fn begin(&self, walk: &mut GridWalk<R>, ray: &Ray<R>, active: R::Mask) {
         let fields = constant::<R>(&self.words);
-        walk.begin(
-            &fields.layout::<R>(),
-            &fields.to_grid(ray),
-            self.majorants,
-            active,
-        );
+        walk.enter(&fields.to_grid(ray), self.majorants, active);
     }
     #[inline(always)]
     fn segment(&self, walk: &GridWalk<R>) -> Segment<R> {

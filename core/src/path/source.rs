@@ -1,4 +1,5 @@
-//! Media that shine, as packets meet them: light is scored at every tentative collision of a flight.
+//! Media that shine, as packets meet them: light is scored at every tentative collision of a flight, unless a
+//! [comb](crate::path::glow()) has found it.
 //!
 //! ```text
 //! L = E[ Σᵢ β σ_a(tᵢ) L_e(tᵢ) / σ̄ ],  tᵢ the tentative collisions up to the first real one

@@ -3,7 +3,7 @@
 use crate::collision;
 use crate::majorant::Tracker;
 use crate::path::{
-    Counts, Geometry, Optics, PathSample, Scene, ShadowEstimator, Start, Stretch, Tapped,
+    Counts, Geometry, Glow, Optics, PathSample, Scene, ShadowEstimator, Start, Stretch, Tapped,
 };
 use crate::phase::Phase;
 use crate::points::{Choice, LaneStrata, Stratified};
@@ -70,6 +70,9 @@ pub struct Paths<R: Real, W, S, const CHROMATIC: bool, const ANY_RAYLEIGH: bool>
     shadow: R::Mask,
     /// Chance of the camera ray to meet a medium's particles.
     alpha: R,
+    /// What camera rays see, the branches that are still to come, and the rays.
+    glow: Glow<R>,
+    camera: Ray<R>,
     /// Lanes on their way to the first tentative collision of a camera ray.
     opening: R::Mask,
     stages: [R::Mask; 4],
@@ -132,6 +135,11 @@ where
             pdf: R::zero(),
             shadow: none,
             alpha: R::zero(),
+            glow: Glow::none(),
+            camera: Ray {
+                origin: zero,
+                direction: zero,
+            },
             opening: none,
             stages: [none; 4],
             counts: Counts::default(),
@@ -155,12 +163,6 @@ where
     #[inline(always)]
     pub fn stream(&mut self) -> &mut S {
         &mut self.stream
-    }
-
-    /// Gives lanes the strata of their first choices, before a launch where there are points.
-    #[inline(always)]
-    pub fn set_strata(&mut self, strata: LaneStrata<R::Word>, lanes: R::Mask) {
-        self.strata = LaneStrata::select(lanes, strata, self.strata);
     }
 
     /// What has been done so far.
@@ -196,37 +198,96 @@ where
     #[inline(always)]
     fn count_step(&mut self) {
         self.counts.steps += 1;
+        self.counts.lanes += R::LANES as u64;
         self.counts.busy_lanes += u64::from(self.running().count());
     }
 
-    /// Begins paths in the given lanes, whose streams have been given their keys.
+    /// Begins a path that stands ready in one lane, with the stream that made it so.
     ///
-    /// * `x`, `y`: column and row of each path's pixel.
+    /// Written one by one: as many lanes as finish begin anew, mostly one, and all others keep what they have.
     #[inline(always)]
-    pub fn launch<M, G>(&mut self, scene: &Scene<'_, M, G>, x: R, y: R, lanes: R::Mask)
-    where
-        G: Geometry<R> + ?Sized,
-    {
-        let start = Start::new(scene, [x, y], self.strata, &mut self.stream, lanes);
-        self.launch_at(&start, lanes);
+    pub fn launch(&mut self, lane: usize, start: &Start<f32>) {
+        self.ray.origin.set_lane(lane, start.ray.origin.lane(0));
+        self.ray
+            .direction
+            .set_lane(lane, start.ray.direction.lane(0));
+        self.first
+            .interval
+            .t0
+            .set_lane(lane, start.first.interval.t0);
+        self.first
+            .interval
+            .t1
+            .set_lane(lane, start.first.interval.t1);
+        self.first.medium.set_lane(lane, start.first.medium.0);
+        self.first.found.set_lane(lane, start.first.found);
+        self.strata.set_lane(lane, start.strata);
+        self.throughput.set_lane(lane, [1.0; 3]);
+        self.forced.set_lane(lane, 1.0);
+        self.radiance.set_lane(lane, [0.0; 3]);
+        self.depth.set_lane(lane, 0);
+        self.pdf.set_lane(lane, CERTAIN);
+        self.shadow.set_lane(lane, false);
+        self.alpha.set_lane(lane, 0.0);
+        self.cursor.set_lane(lane, 0);
+        self.limit.set_lane(lane, FAR);
+        self.counts.paths += 1;
+        self.stages[Stage::Enter as usize].set_lane(lane, true);
     }
 
-    /// Begins paths that stand ready in the given lanes, with the streams that made them so.
+    /// Whether paths begin with the [glow](glow()) of what is before them.
     #[inline(always)]
-    pub fn launch_at(&mut self, start: &Start<R>, lanes: R::Mask) {
-        self.ray = Ray::select(lanes, &start.ray, &self.ray);
-        self.first = Stretch::select(lanes, &start.first, &self.first);
-        self.strata = LaneStrata::select(lanes, start.strata, self.strata);
-        self.throughput = Vec3::select(lanes, Vec3::uniform(1.0), self.throughput);
-        self.forced = R::select(lanes, R::one(), self.forced);
-        self.radiance = Vec3::select(lanes, Vec3::uniform(0.0), self.radiance);
+    pub fn combs<M: Tapped<R>, G: ?Sized>(scene: &Scene<'_, M, G>) -> bool {
+        M::SHINES && !CHROMATIC && scene.settings.combed
+    }
+
+    /// Gives a path that was just launched what its camera ray was found to see; it waits for [`branch`](Self::branch).
+    #[inline(always)]
+    pub fn launch_glowing(&mut self, lane: usize, glow: &Glow<f32>) {
+        self.stages[Stage::Enter as usize].set_lane(lane, false);
+        // The camera ray is done with its stretches.
+        self.first.found.set_lane(lane, false);
+        self.camera
+            .origin
+            .set_lane(lane, self.ray.origin.lane(lane));
+        let direction = self.ray.direction.lane(lane);
+        self.camera.direction.set_lane(lane, direction);
+        self.radiance.set_lane(lane, glow.radiance.lane(0));
+        self.alpha.set_lane(lane, glow.alpha);
+        self.glow.set_lane(lane, glow);
+    }
+
+    /// Begins the next branch of all paths that have run to an end and have another.
+    #[inline(always)]
+    pub fn branch<M: Tapped<R, Walk = W>, G: ?Sized>(&mut self, scene: &Scene<'_, M, G>) {
+        let lanes = R::zero().lt(self.glow.branches).and_not(self.running());
+        if !lanes.any() {
+            return;
+        }
+        let rest = self.glow.branches - R::one();
+        self.glow.branches = R::select(lanes, rest, self.glow.branches);
+        if scene.settings.points {
+            let strata = self.strata.branched(rest.to_word());
+            self.strata = LaneStrata::select(lanes, strata, self.strata);
+        }
+        let mut distance = self.glow.distances[0];
+        for (branch, other) in self.glow.distances.iter().enumerate().skip(1) {
+            distance = R::select(rest.eq(R::splat(branch as f32)), *other, distance);
+        }
+        let point = self.camera.at(distance);
+        let Optics { albedo, phase, .. } = scene.medium.optics(&self.tracker.walk);
+        self.hit = Hit {
+            point: Vec3::select(lanes, point, self.hit.point),
+            albedo: Vec3::select(lanes, albedo, self.hit.albedo),
+            phase: Phase::select(lanes, &phase, &self.hit.phase),
+        };
+        self.ray = Ray::select(lanes, &self.camera, &self.ray);
+        let weight = self.glow.weight;
+        let throughput = Vec3::new(weight, weight, weight);
+        self.throughput = Vec3::select(lanes, throughput, self.throughput);
+        self.forced = R::select(lanes, weight * albedo.max_component(), self.forced);
         self.depth = R::Word::select(lanes, R::Word::splat(0), self.depth);
-        self.pdf = R::select(lanes, R::splat(CERTAIN), self.pdf);
-        self.shadow = self.shadow.and_not(lanes);
-        self.alpha = R::select(lanes, R::zero(), self.alpha);
-        self.counts.paths += u64::from(lanes.count());
-        self.begin_ray(lanes);
-        self.stages[Stage::Enter as usize] = self.at(Stage::Enter) | lanes;
+        self.stages[Stage::Scatter as usize] = self.at(Stage::Scatter) | lanes;
     }
 
     #[inline(always)]
@@ -536,7 +597,8 @@ where
             albedo: Vec3::select(real, albedo, self.hit.albedo),
             phase: Phase::select(real, &phase, &self.hit.phase),
         };
-        self.alpha = R::select(real, self.alpha.max(R::one()), self.alpha);
+        let seen = real & self.depth.eq(R::Word::splat(0));
+        self.alpha = R::select(seen, self.alpha.max(R::one()), self.alpha);
         if scene.geometry.overlaps() {
             // Another stretch may hold a nearer one; search on, up to here.
             self.limit = R::select(real, self.entered + t, self.limit);
@@ -603,7 +665,9 @@ where
         self.depth = self.depth + R::Word::from_mask(lanes);
         let throughput = self.throughput.times(self.hit.albedo);
         // What flights were made to leave is not lost: only losses play roulette, or paths that lose nothing would be noisy.
-        let left = if M::TIGHT && !CHROMATIC && scene.settings.forced {
+        // Branches are many because each brings little: they play for what is left of their own beginning.
+        let own = M::TIGHT && !CHROMATIC && scene.settings.forced;
+        let left = if own || Self::combs(scene) {
             throughput.max_component() / self.forced
         } else {
             throughput.max_component()

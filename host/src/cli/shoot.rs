@@ -190,10 +190,7 @@ pub(super) fn render(
     };
     let kernel = used.name();
     let utilisation = match used {
-        Kernel::Packet => {
-            let lanes = counts.steps * woodcock_packet::lanes::LANES as u64;
-            counts.busy_lanes as f64 / lanes.max(1) as f64
-        }
+        Kernel::Packet => counts.busy_lanes as f64 / counts.lanes.max(1) as f64,
         Kernel::Scalar => 1.0,
     };
     let mut channels = layers.channels(&film);

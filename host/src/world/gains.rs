@@ -39,6 +39,7 @@ const MEASURED: &[(Feature, &str, f64, f64)] = &[
     (Feature::EquiAngular, "absorption", 1.45, 2154.89),
     (Feature::Scattering, "absorption", 0.49, 702.22),
     (Feature::IndependentSamples, "absorption", 0.98, 2.49),
+    (Feature::FlownEmission, "fire", 0.39, 7.58),
 ];
 
 /// What keeping a feature costs on the scene of the bench where it costs most, if it was measured to cost anything:

@@ -167,6 +167,7 @@ impl World {
         Settings {
             points: !self.needs.runs(Feature::IndependentSamples),
             forced,
+            combed: self.source.is_some() && !self.needs.runs(Feature::FlownEmission),
             faint: if self.needs.runs(Feature::FaintShadowRays) {
                 Settings::ALL_SHADOW_RAYS
             } else {
@@ -300,7 +301,14 @@ pub fn assemble(scene: &Scene, files: &dyn Files, options: &Options) -> Result<W
         &mut needs,
     );
     let room = room(scene, origin, (&assembled.media, &place), keep, &mut needs);
-    path_needed(scene, &assembled.media, &place, keep, &mut needs);
+    // Of grids, which have extents of their own, seen from outside; no other medium shines in packets.
+    let collisions = assembled
+        .media
+        .iter()
+        .map(|m| work::collisions(m, &assembled.tables, f64::INFINITY, false))
+        .fold(0.0, f64::max);
+    let media = (assembled.media.as_slice(), collisions);
+    path_needed(scene, media, &place, keep, &mut needs);
     storage::store(&assembled.media, &mut assembled.tables, keep, &mut needs);
     let (distant, environment) = lights(scene)?;
     let records = assembled
@@ -420,7 +428,7 @@ fn scalar_needed(
 /// What the paths of packets may leave out.
 fn path_needed(
     scene: &Scene,
-    media: &[Medium],
+    (media, collisions): (&[Medium], f64),
     place: &Location,
     keep: &[Feature],
     needs: &mut Needs,
@@ -440,6 +448,8 @@ fn path_needed(
         ] {
             needs.decide(feature, true, keep, reason);
         }
+        let shines = needs.runs(Feature::Emission);
+        needs.decide(Feature::FlownEmission, shines, keep, reason);
         let reason = if apart { reason } else { SHARED };
         needs.decide(Feature::IndependentSamples, apart, keep, reason);
         return;
@@ -485,6 +495,17 @@ fn path_needed(
     };
     let passage = scatters && !(one && grey && escapes);
     needs.decide(Feature::FreePassage, passage, keep, reason);
+    let overlaps = matches!(place, Location::Boundaries(b) if b.overlap());
+    let often = collisions > COMBED;
+    let reason = match (shines, grey, overlaps, often) {
+        (false, ..) => "no medium shines",
+        (true, false, ..) => "paths carry all colours",
+        (true, true, true, _) => "media overlap",
+        (true, true, false, true) => "light scatters so often that camera rays see little else",
+        (true, true, false, false) => "combs of points find what camera rays see of what shines",
+    };
+    let flown = shines && (!grey || overlaps || often);
+    needs.decide(Feature::FlownEmission, flown, keep, reason);
     let reason = if !scatters || scene.lights.is_empty() {
         "no shadow ray".to_owned()
     } else {
@@ -494,6 +515,11 @@ fn path_needed(
     needs.decide(Feature::FaintShadowRays, false, keep, reason);
     needs.decide(Feature::IndependentSamples, false, keep, SHARED);
 }
+
+/// Collisions of a path up to which combs of points along camera rays are worth their time: scattering brings the rest. On fires that
+/// collide 1, 6 and 26 times before they are absorbed they gained a factor of 5.2, 1.25 and 0.8; on a thin one that scatters 15 times
+/// at most, 2.2.
+const COMBED: f64 = 16.0;
 
 /// Why samples need not be independent.
 const SHARED: &str = "sixteen samples of a pixel share out their first choices";

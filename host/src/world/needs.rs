@@ -43,6 +43,8 @@ pub enum Feature {
     Scattering,
     /// Flights that pass a medium by chance.
     FreePassage,
+    /// Light from within media found by the flights of camera rays, where combs of points would find it.
+    FlownEmission,
     /// Shadow rays however little they would bring.
     FaintShadowRays,
     /// Paths that carry all colours.
@@ -57,7 +59,7 @@ pub enum Feature {
 
 impl Feature {
     /// All of them, in the order of the table.
-    pub const ALL: [Self; 21] = [
+    pub const ALL: [Self; 22] = [
         Self::Tracking,
         Self::Chromatic,
         Self::SeveralMedia,
@@ -74,6 +76,7 @@ impl Feature {
         Self::EquiAngular,
         Self::Scattering,
         Self::FreePassage,
+        Self::FlownEmission,
         Self::FaintShadowRays,
         Self::SharedPaths,
         Self::IndependentSamples,
@@ -102,6 +105,7 @@ impl Feature {
             Self::DenseGrid => "dense-grid",
             Self::Scattering => "scattering",
             Self::FreePassage => "free-passage",
+            Self::FlownEmission => "flown-emission",
             Self::FaintShadowRays => "faint-shadow-rays",
             Self::SharedPaths => "shared-paths",
             Self::IndependentSamples => "independent-samples",

@@ -5,6 +5,7 @@
 
 use woodcock_core::path::{Counts, Geometry, PathSample, Scene, Tapped};
 use woodcock_core::stream::Key;
+use woodcock_packet::both::Wide;
 use woodcock_packet::lanes::Lanes;
 use woodcock_packet::trace::{PathRequest, trace, trace_scalar};
 use woodcock_tests::scenes::{self, SIDE, Visitor};
@@ -60,8 +61,8 @@ impl Visitor for Equality {
         name: &str,
         scene: &Scene<'_, M, G>,
     ) where
-        M: Tapped<f32> + Tapped<Lanes>,
-        G: Geometry<f32> + Geometry<Lanes>,
+        M: Tapped<f32> + Tapped<Lanes> + Tapped<Wide>,
+        G: Geometry<f32> + Geometry<Lanes> + Geometry<Wide>,
     {
         self.scenes += 1;
         let requests = requests(8);
@@ -154,8 +155,8 @@ fn other_keys_are_other_paths() {
             name: &str,
             scene: &Scene<'_, M, G>,
         ) where
-            M: Tapped<f32> + Tapped<Lanes>,
-            G: Geometry<f32> + Geometry<Lanes>,
+            M: Tapped<f32> + Tapped<Lanes> + Tapped<Wide>,
+            G: Geometry<f32> + Geometry<Lanes> + Geometry<Wide>,
         {
             let mut counts = Counts::default();
             let mut different = 0;
@@ -197,8 +198,8 @@ fn every_path_of_the_furnace_is_white() {
             name: &str,
             scene: &Scene<'_, M, G>,
         ) where
-            M: Tapped<f32> + Tapped<Lanes>,
-            G: Geometry<f32> + Geometry<Lanes>,
+            M: Tapped<f32> + Tapped<Lanes> + Tapped<Wide>,
+            G: Geometry<f32> + Geometry<Lanes> + Geometry<Wide>,
         {
             if name != "white furnace ball" {
                 return;

@@ -5,6 +5,7 @@ mod coverage;
 mod elementary;
 mod enclosure;
 mod free_flight;
+mod glow;
 mod lanes;
 mod line_integral;
 mod majorant;

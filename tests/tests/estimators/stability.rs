@@ -11,6 +11,7 @@ use woodcock_core::ray::Ray;
 use woodcock_core::stream::{Key, PathStream, Stream};
 use woodcock_core::transmittance::ratio;
 use woodcock_core::vec3::Vec3;
+use woodcock_packet::both::Wide;
 use woodcock_packet::lanes::Lanes;
 use woodcock_packet::trace::{PathRequest, trace, trace_scalar};
 use woodcock_tests::grids::TestGrid;
@@ -134,8 +135,8 @@ impl Visitor for Pinned {
         name: &str,
         scene: &Scene<'_, M, G>,
     ) where
-        M: Tapped<f32> + Tapped<Lanes>,
-        G: Geometry<f32> + Geometry<Lanes>,
+        M: Tapped<f32> + Tapped<Lanes> + Tapped<Wide>,
+        G: Geometry<f32> + Geometry<Lanes> + Geometry<Wide>,
     {
         let requests: Vec<PathRequest> = (0..SIDE * SIDE * 5)
             .map(|i| PathRequest {

@@ -2,7 +2,7 @@
 //!
 //! The ends of the laws are proved by enumeration in `ends`; that keys share nothing is looked for in `keys`.
 
-use woodcock_core::real::{Real, Word32};
+use woodcock_core::real::{Mask, Real, Word32};
 use woodcock_core::stream::{Key, KeyedStream, PathStream, Stream};
 use woodcock_packet::bits::LaneStream;
 use woodcock_packet::lanes::{LANES, LaneMask, Lanes};

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use woodcock_core::phase::mie_fit::MieFit;
 use woodcock_core::phase::tabulated::{Tabulated, fill_cumulative};
 use woodcock_core::phase::{self, draine, henyey_greenstein, rayleigh, two_lobe::TwoLobe};
-use woodcock_core::real::Real;
+use woodcock_core::real::{Mask, Real};
 use woodcock_packet::lanes::{LANES, Lanes};
 
 const G: [f32; 9] = [0.0, 1e-7, 0.01, 0.5, -0.5, 0.9, -0.99, 0.9999, 1.0 - 1e-7];

@@ -2,6 +2,7 @@
 
 use woodcock_core::path::{Geometry, Scene, Tapped};
 use woodcock_core::stream::Key;
+use woodcock_packet::both::Wide;
 use woodcock_packet::lanes::Lanes;
 use woodcock_packet::trace::{PathRequest, trace};
 use woodcock_tests::scenes::{self, SIDE, Visitor};
@@ -16,8 +17,8 @@ impl Visitor for Means {
         name: &str,
         scene: &Scene<'_, M, G>,
     ) where
-        M: Tapped<f32> + Tapped<Lanes>,
-        G: Geometry<f32> + Geometry<Lanes>,
+        M: Tapped<f32> + Tapped<Lanes> + Tapped<Wide>,
+        G: Geometry<f32> + Geometry<Lanes> + Geometry<Wide>,
     {
         if !name.starts_with("coloured cloud") {
             return;

@@ -200,6 +200,47 @@ fn what_only_absorbs_hides_what_flights_do() {
     }
 }
 
+/// Combs and flights along camera rays: of what only absorbs, of what scatters too, and of two blocks with a gap between them.
+#[test]
+fn combs_see_what_flights_do() {
+    let test = woodcock_tests::stats::ImageTest {
+        resolution: 0.01,
+        allowance: f64::MAX,
+    };
+    let shining = |albedo: f64, glow: f64| {
+        uniform_grid("m", [9, 8, 7], UNIT, lumps, &grey(2.5, albedo, 0.3)).replace(
+            "\"uniformgrid\"",
+            &format!("\"uniformgrid\" \"rgb Le\" [ 0.9 0.5 0.2 ] \"float Lescale\" {glow}"),
+        )
+    };
+    let whole = block("m", "", UNIT);
+    let [low, high] = UNIT;
+    let apart =
+        block("m", "", [low, [1.0, 1.0, -0.3]]) + &block("m", "", [[-1.0, -1.0, 0.2], high]);
+    for (name, albedo, shapes) in [
+        ("absorbing", 0.0, &whole),
+        ("scattering", 0.6, &whole),
+        ("two blocks", 0.3, &apart),
+    ] {
+        let world = shining(albedo, 1.5) + shapes;
+        let text = scene(&view(), [32, 32], &(lights() + &world));
+        let studio = stage_with(&text, MemoryFiles::new(), &[]);
+        assert!(!studio.world.needs.runs(Feature::FlownEmission), "{name}");
+        let combed = studio.seeded(91).pointed().shoot(96);
+        let flown = picture(&world, &[Feature::FlownEmission], 92, 256);
+        let brighter = picture(&(shining(albedo, 1.6) + shapes), &[], 93, 96);
+        for channel in 0..3 {
+            let [combed, flown] = [&combed, &flown].map(|picture| picture.image(channel));
+            let found = test.compare(&combed, &flown);
+            let name = format!("{name}, channel {channel}");
+            assert!(found.verdict.agrees(), "{name}: {:?}", found.verdict);
+        }
+        // Light a fifteenth brighter would be seen.
+        let found = test.compare(&brighter.image(0), &flown.image(0));
+        assert!(found.whole > 10.0, "{name}: {}", found.whole);
+    }
+}
+
 #[test]
 fn delta_and_ratio_shadows_agree() {
     for (name, world, files) in [
