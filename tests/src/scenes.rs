@@ -9,13 +9,14 @@ use woodcock_core::light::{Distant, Lights};
 use woodcock_core::majorant::BLOCK;
 use woodcock_core::medium::Affine;
 use woodcock_core::path::{
-    Atlas, Convex, Geometry, MediumRecord, OneGrid, OneHomogeneous, RecordKind, Scene, Settings,
-    ShadowEstimator, Stretch, Tapped,
+    Atlas, Convex, Counts, Geometry, MediumRecord, OneGrid, OneHomogeneous, PathSample, RecordKind,
+    Scene, Settings, ShadowEstimator, Stretch, Tapped,
 };
 use woodcock_core::ray::{Interval, Ray};
 use woodcock_core::real::{Mask, Real, Word};
 use woodcock_packet::both::Wide;
 use woodcock_packet::lanes::Lanes;
+use woodcock_packet::trace::{PathRequest, trace};
 
 /// Pixels along each side of a film.
 pub const SIDE: u32 = 16;
@@ -30,6 +31,19 @@ pub trait Visitor {
     ) where
         M: Tapped<f32> + Tapped<Lanes> + Tapped<Wide>,
         G: Geometry<f32> + Geometry<Lanes> + Geometry<Wide>;
+}
+
+/// Traces requests in packets: one stretch of code for each scene, whoever visits it.
+pub fn traced<M, G, const CHROMATIC: bool, const ANY_RAYLEIGH: bool>(
+    scene: &Scene<'_, M, G>,
+    requests: &[PathRequest],
+    land: &mut dyn FnMut(usize, PathSample),
+) -> Counts
+where
+    M: Tapped<Lanes> + Tapped<Wide>,
+    G: Geometry<Lanes> + Geometry<Wide>,
+{
+    trace::<M, G, CHROMATIC, ANY_RAYLEIGH>(scene, requests.iter().copied(), land)
 }
 
 /// Shapes that may overlap, each with a medium of its own number.

@@ -7,8 +7,8 @@ use woodcock_core::path::{Counts, Geometry, PathSample, Scene, Tapped};
 use woodcock_core::stream::Key;
 use woodcock_packet::both::Wide;
 use woodcock_packet::lanes::Lanes;
-use woodcock_packet::trace::{PathRequest, trace, trace_scalar};
-use woodcock_tests::scenes::{self, SIDE, Visitor};
+use woodcock_packet::trace::{PathRequest, trace_scalar};
+use woodcock_tests::scenes::{self, SIDE, Visitor, traced};
 
 mod bundles;
 mod formulas;
@@ -73,16 +73,13 @@ impl Visitor for Equality {
             .collect();
         let packet = |requests: &[PathRequest]| {
             let mut landed = vec![None; requests.len()];
-            let counts = trace::<M, G, CHROMATIC, ANY_RAYLEIGH>(
-                scene,
-                requests.iter().copied(),
-                |i, sample| {
+            let counts =
+                traced::<M, G, CHROMATIC, ANY_RAYLEIGH>(scene, requests, &mut |i, sample| {
                     assert!(
                         landed[i].replace(sample).is_none(),
                         "{name}: {i} lands twice"
                     )
-                },
-            );
+                });
             let landed: Vec<PathSample> = landed
                 .into_iter()
                 .map(|s| s.expect("every path lands"))
@@ -204,7 +201,7 @@ fn every_path_of_the_furnace_is_white() {
             if name != "white furnace ball" {
                 return;
             }
-            trace::<M, G, CHROMATIC, ANY_RAYLEIGH>(scene, requests(16), |_, sample| {
+            traced::<M, G, CHROMATIC, ANY_RAYLEIGH>(scene, &requests(16), &mut |_, sample| {
                 assert_eq!(sample.radiance, scene.lights.environment);
                 self.0 += 1;
             });

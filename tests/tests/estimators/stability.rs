@@ -13,9 +13,9 @@ use woodcock_core::transmittance::ratio;
 use woodcock_core::vec3::Vec3;
 use woodcock_packet::both::Wide;
 use woodcock_packet::lanes::Lanes;
-use woodcock_packet::trace::{PathRequest, trace, trace_scalar};
+use woodcock_packet::trace::{PathRequest, trace_scalar};
 use woodcock_tests::grids::TestGrid;
-use woodcock_tests::scenes::{self, SIDE, Visitor};
+use woodcock_tests::scenes::{self, SIDE, Visitor, traced};
 
 /// FNV-1a over the bits of numbers, in their order.
 #[derive(Clone, Copy)]
@@ -157,7 +157,9 @@ impl Visitor for Pinned {
             scalar.number(sample.alpha);
         }
         let mut samples = vec![Default::default(); requests.len()];
-        trace::<M, G, CHROMATIC, ANY_RAYLEIGH>(scene, requests, |i, sample| samples[i] = sample);
+        traced::<M, G, CHROMATIC, ANY_RAYLEIGH>(scene, &requests, &mut |i, sample| {
+            samples[i] = sample
+        });
         for sample in samples {
             sample.radiance.into_iter().for_each(|r| wide.number(r));
             wide.number(sample.alpha);

@@ -4,8 +4,8 @@ use woodcock_core::path::{Geometry, Scene, Tapped};
 use woodcock_core::stream::Key;
 use woodcock_packet::both::Wide;
 use woodcock_packet::lanes::Lanes;
-use woodcock_packet::trace::{PathRequest, trace};
-use woodcock_tests::scenes::{self, SIDE, Visitor};
+use woodcock_packet::trace::PathRequest;
+use woodcock_tests::scenes::{self, SIDE, Visitor, traced};
 use woodcock_tests::stats::{Moments, assert_verdict, must_kill, samples, welch};
 
 /// The moments of the film's mean, by scene and colour.
@@ -35,7 +35,8 @@ impl Visitor for Means {
             },
         });
         let mut moments = [Moments::new(); 3];
-        trace::<M, G, CHROMATIC, ANY_RAYLEIGH>(scene, requests, |_, sample| {
+        let requests: Vec<PathRequest> = requests.collect();
+        traced::<M, G, CHROMATIC, ANY_RAYLEIGH>(scene, &requests, &mut |_, sample| {
             for (m, r) in moments.iter_mut().zip(sample.radiance) {
                 m.push(f64::from(r));
             }
