@@ -25,8 +25,8 @@ use woodcock_core::real::{Mask, Real};
 use woodcock_core::stream::Stream;
 use woodcock_core::vec3::Vec3;
 use woodcock_host::world::BrickTables;
+use woodcock_packet::both::Wide;
 use woodcock_packet::bundle::{BundleRay, Schedule, free_flights, run};
-use woodcock_packet::lanes::Lanes;
 
 /// Flights that are decided as paths decide them: by [`Tapped::decide`].
 struct Decided<R: Real, W> {
@@ -113,7 +113,7 @@ fn world_ray(ray: &BundleRay) -> Ray<f32> {
 }
 
 /// The flights of delta tracking in both widths.
-fn delta_rows<'a, M: Medium<f32> + Medium<Lanes>>(medium: &'a M, name: &str) -> [Row<'a>; 2] {
+fn delta_rows<'a, M: Medium<f32> + Medium<Wide>>(medium: &'a M, name: &str) -> [Row<'a>; 2] {
     [
         Row::new(format!("{name}/x1"), move |work, values| {
             for (bundle, out) in work.singles.iter().zip(values) {
@@ -133,7 +133,7 @@ fn delta_rows<'a, M: Medium<f32> + Medium<Lanes>>(medium: &'a M, name: &str) -> 
 }
 
 /// The same flights, decided as paths decide them.
-fn decided_rows<'a, M: Tapped<f32> + Tapped<Lanes>>(medium: &'a M, name: &str) -> [Row<'a>; 2] {
+fn decided_rows<'a, M: Tapped<f32> + Tapped<Wide>>(medium: &'a M, name: &str) -> [Row<'a>; 2] {
     [
         Row::new(format!("{name}/x1"), move |work, values| {
             for (bundle, out) in work.singles.iter().zip(values) {

@@ -27,6 +27,7 @@ use woodcock_core::transmittance::{self, ratio::Ratio};
 use woodcock_core::vec3::Vec3;
 use woodcock_host::render::Kernel;
 use woodcock_packet::bits::LaneStream;
+use woodcock_packet::both::Wide;
 use woodcock_packet::bundle::{
     Bundle, BundleRay, Schedule, Usage, analytic_flights, free_flights, transmittances,
 };
@@ -106,7 +107,7 @@ fn closed_form(medium: &Homogeneous) -> Pair<'_> {
 
 fn tracked<'a, M>(medium: &'a M, on: &str) -> [Pair<'a>; 2]
 where
-    M: Medium<f32> + Medium<Lanes>,
+    M: Medium<f32> + Medium<Wide>,
 {
     [
         Pair {

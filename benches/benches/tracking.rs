@@ -22,10 +22,11 @@ use woodcock_core::transmittance::ratio::Ratio;
 use woodcock_core::transmittance::{self};
 use woodcock_core::vec3::Vec3;
 use woodcock_packet::bits::LaneStream;
+use woodcock_packet::both::Wide;
 use woodcock_packet::bundle::{
     Bundle, BundleRay, Schedule, Usage, analytic_flights, free_flights, transmittances,
 };
-use woodcock_packet::lanes::{LANES, LaneMask, Lanes};
+use woodcock_packet::lanes::{LANES, LaneMask};
 
 type Scalar<'a> = Box<dyn Fn(&BundleRay, &mut PathStream) -> f32 + 'a>;
 type Packet<'a> = Box<dyn Fn(&Bundle, Schedule, &mut [f32]) -> Usage + 'a>;
@@ -63,7 +64,7 @@ fn escaped(t: f32) -> f32 {
 /// The estimators that track through any medium.
 fn tracked<'a, M>(medium: &'a M, on: &str) -> Vec<Pair<'a>>
 where
-    M: Medium<f32> + Medium<Lanes>,
+    M: Medium<f32> + Medium<Wide>,
 {
     vec![
         Pair {

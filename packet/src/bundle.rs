@@ -1,8 +1,7 @@
 //! Free flights and transmittance over bundles of rays.
 //!
-//! Eight rays are under way at a time. A lane whose ray has ended takes the next one of the bundle, and
-//! the result lands at its ray's place; waiting for the slowest of eight instead would leave half of the
-//! lanes idle. Every ray has its own stream, so neither order nor neighbours change a result.
+//! Sixteen rays are under way at a time. A lane whose ray has ended takes the next one of the bundle, and
+//! the result lands at its ray's place; waiting for the slowest instead would leave half of the lanes idle. Every ray has its own stream, so neither order nor neighbours change a result.
 
 use alloc::vec::Vec;
 use core::array;
@@ -11,12 +10,13 @@ use woodcock_core::free_flight::{analytic, delta::Delta};
 use woodcock_core::majorant::Process;
 use woodcock_core::medium::{ClosedForm, Medium};
 use woodcock_core::ray::Ray;
-use woodcock_core::real::{Mask, Word};
+use woodcock_core::real::{Mask, Real, Word};
 use woodcock_core::stream::Key;
 use woodcock_core::transmittance::{Estimate, Rule};
 use woodcock_core::vec3::Vec3;
 
 use crate::bits::LaneStream;
+use crate::both::{Both, WIDTH, Wide};
 use crate::lanes::{LANES, LaneMask, LaneWords, Lanes};
 
 /// A ray of a bundle.
@@ -107,7 +107,14 @@ impl Usage {
         if self.steps == 0 {
             return 1.0;
         }
-        self.busy_lanes as f64 / (self.steps * LANES as u64) as f64
+        self.busy_lanes as f64 / (self.steps * WIDTH as u64) as f64
+    }
+
+    /// Adds a step of so many busy lanes.
+    #[inline(always)]
+    fn add_step(&mut self, busy: u32) {
+        self.steps += 1;
+        self.busy_lanes += u64::from(busy);
     }
 
     /// Adds another's.
@@ -123,38 +130,44 @@ impl Usage {
 pub enum Schedule {
     /// As soon as it pays.
     Refill,
-    /// When all eight have finished: the baseline of the benches.
+    /// When all have finished: the baseline of the benches.
     LockStep,
 }
 
 /// Tentative collisions are decided when this many lanes are at one; moving on is cheaper.
-const COLLIDE_AT: u32 = 5;
+const COLLIDE_AT: u32 = 11;
+
+/// Moving on ends where rays wait and fewer lanes than these have one.
+const REFILL_BELOW: u32 = 12;
+
+/// A bit for every lane.
+const ALL: u32 = (1 << WIDTH) - 1;
 
 /// Runs any process over a bundle; results land at their rays' places.
 ///
 /// * `process`: no ray in it yet. `results`: as long as the bundle; a shorter slice receives the first ones.
 #[inline(always)]
-pub fn run<M: Medium<Lanes>, P: Process<Lanes, M>>(
+pub fn run<M: Medium<Wide>, P: Process<Wide, M>>(
     medium: &M,
     process: &mut P,
     bundle: &Bundle,
     schedule: Schedule,
     results: &mut [f32],
 ) -> Usage {
-    let mut usage = Usage::default();
-    let mut rng = LaneStream::default();
-    let mut owners = LaneWords::default();
-    let mut next = 0_usize;
-    let mut held = 0_u32;
     if M::TIGHT && M::ONE_SEGMENT {
         return run_in_groups(medium, process, bundle, results);
     }
+    let mut usage = Usage::default();
+    let mut rng = Both::<LaneStream>::default();
+    let mut owners = Both::<LaneWords>::default();
+    let mut next = 0_usize;
+    let mut held = 0_u32;
     loop {
         let running = (process.stages().tracking() | process.stages().tentative()).bits();
-        let idle = !running & 0xff;
+        let idle = !running & ALL;
         let refill = match schedule {
             Schedule::Refill => idle != 0,
-            Schedule::LockStep => idle == 0xff,
+            Schedule::LockStep => idle == ALL,
         };
         if refill {
             land(process.result(), held & idle, owners, results);
@@ -162,17 +175,35 @@ pub fn run<M: Medium<Lanes>, P: Process<Lanes, M>>(
             let waiting = bundle.len() - next;
             if waiting > 0 {
                 let begun = lowest_bits(idle, waiting);
-                let mask = LaneMask::from_bits(begun);
-                let order = ranks(begun);
-                let column = |i: usize| Lanes::new(eight(&bundle.numbers[i], next)).permuted(order);
+                let mask = Both::<LaneMask>::from_bits(begun);
+                // Lanes of the upper half take the rays that follow those of the lower.
+                let order = Both(ranks(begun), ranks(begun >> LANES));
+                let upper = next + (begun & 0xff).count_ones() as usize;
+                let column = |i: usize| {
+                    let column = &bundle.numbers[i];
+                    Both(
+                        Lanes::new(eight(column, next)).permuted(order.0),
+                        Lanes::new(eight(column, upper)).permuted(order.1),
+                    )
+                };
                 let ray = Ray {
                     origin: Vec3::new(column(0), column(1), column(2)),
                     direction: Vec3::new(column(3), column(4), column(5)),
                 };
-                let half =
-                    |i: usize| LaneWords::new(eight(&bundle.states[i], next)).permuted(order);
-                rng.set_states(half(0), half(1), mask);
-                owners = LaneWords::select(mask, LaneWords::places(next, order), owners);
+                let [low, high] = [0, 1].map(|i: usize| {
+                    let half = &bundle.states[i];
+                    Both(
+                        LaneWords::new(eight(half, next)).permuted(order.0),
+                        LaneWords::new(eight(half, upper)).permuted(order.1),
+                    )
+                });
+                rng.0.set_states(low.0, high.0, mask.0);
+                rng.1.set_states(low.1, high.1, mask.1);
+                let places = Both(
+                    LaneWords::places(next, order.0),
+                    LaneWords::places(upper, order.1),
+                );
+                owners = Word::select(mask, places, owners);
                 process.begin(medium, &ray, column(6), &mut rng, mask);
                 held |= begun;
                 next += begun.count_ones() as usize;
@@ -186,29 +217,27 @@ pub fn run<M: Medium<Lanes>, P: Process<Lanes, M>>(
             if !tracking.any() || tentative.count() >= COLLIDE_AT {
                 break;
             }
-            usage.steps += 1;
-            usage.busy_lanes += u64::from((tracking | tentative).count());
+            usage.add_step((tracking | tentative).count());
             process.advance(medium);
             let busy = (process.stages().tracking() | process.stages().tentative()).count();
-            // Where rays wait, a lane that has left is worth more than a fuller decision.
-            if schedule == Schedule::Refill && next < bundle.len() && busy < LANES as u32 {
+            // Where rays wait, lanes that have left are worth more than a fuller decision.
+            if schedule == Schedule::Refill && next < bundle.len() && busy < REFILL_BELOW {
                 break;
             }
         }
         let tentative = process.stages().tentative();
         let deciding = tentative.count();
         if deciding >= COLLIDE_AT || (deciding > 0 && !process.stages().tracking().any()) {
-            usage.steps += 1;
-            usage.busy_lanes += u64::from((process.stages().tracking() | tentative).count());
+            usage.add_step((process.stages().tracking() | tentative).count());
             usage.tentative_collisions += u64::from(deciding);
             process.collide(medium, &mut rng);
         }
     }
 }
 
-/// Runs a process in one segment of a tight bound, where every ray ends with its first step: eight rays after eight.
+/// Runs a process in one segment of a tight bound, where every ray ends with its first step: sixteen rays after sixteen.
 #[inline(always)]
-fn run_in_groups<M: Medium<Lanes>, P: Process<Lanes, M>>(
+fn run_in_groups<M: Medium<Wide>, P: Process<Wide, M>>(
     medium: &M,
     process: &mut P,
     bundle: &Bundle,
@@ -217,52 +246,58 @@ fn run_in_groups<M: Medium<Lanes>, P: Process<Lanes, M>>(
     let mut usage = Usage::default();
     let mut group = |first: usize, rays: usize| {
         // Every lane begins, the ones beyond the bundle too: their results go nowhere.
-        let all = LaneMask::splat(true);
+        let all = Mask::splat(true);
         let (ray, t_max, mut rng) = group(bundle, first);
         process.begin(medium, &ray, t_max, &mut rng, all);
         process.advance(medium);
-        let counted = LaneMask::from_bits((1 << rays) - 1);
-        usage.steps += 1;
-        usage.busy_lanes += rays as u64;
+        let counted = Both::<LaneMask>::from_bits((1 << rays) - 1);
+        usage.add_step(rays as u32);
         usage.tentative_collisions += u64::from((process.stages().tentative() & counted).count());
         process.collide(medium, &mut rng);
-        process.result().to_array()
+        process.result()
     };
     in_groups(bundle, results, &mut group);
     usage
 }
 
-/// Eight rays from `first` on, their lengths and their streams.
+/// Sixteen rays from `first` on, their lengths and their streams.
 #[inline(always)]
-fn group(bundle: &Bundle, first: usize) -> (Ray<Lanes>, Lanes, LaneStream) {
-    let column = |i: usize| Lanes::new(eight(&bundle.numbers[i], first));
-    let half = |i: usize| LaneWords::new(eight(&bundle.states[i], first));
-    let mut rng = LaneStream::default();
-    rng.set_states(half(0), half(1), LaneMask::splat(true));
+fn group(bundle: &Bundle, first: usize) -> (Ray<Wide>, Wide, Both<LaneStream>) {
+    let column = |i: usize| {
+        let column = &bundle.numbers[i];
+        let half = |first: usize| Lanes::new(eight(column, first));
+        Both(half(first), half(first + LANES))
+    };
+    let stream = |first: usize| {
+        let half = |i: usize| LaneWords::new(eight(&bundle.states[i], first));
+        let mut stream = LaneStream::default();
+        stream.set_states(half(0), half(1), LaneMask::splat(true));
+        stream
+    };
     let ray = Ray {
         origin: Vec3::new(column(0), column(1), column(2)),
         direction: Vec3::new(column(3), column(4), column(5)),
     };
-    (ray, column(6), rng)
+    (ray, column(6), Both(stream(first), stream(first + LANES)))
 }
 
-/// Calls `group(first, rays)` for eight rays after eight, and writes what it gives.
+/// Calls `group(first, rays)` for sixteen rays after sixteen, and writes what it gives.
 #[inline(always)]
-fn in_groups(
-    bundle: &Bundle,
-    results: &mut [f32],
-    mut group: impl FnMut(usize, usize) -> [f32; LANES],
-) {
+fn in_groups(bundle: &Bundle, results: &mut [f32], mut group: impl FnMut(usize, usize) -> Wide) {
     let count = bundle.len().min(results.len());
-    let (whole, rest) = results[..count].as_chunks_mut::<LANES>();
+    let (whole, rest) = results[..count].as_chunks_mut::<WIDTH>();
     let mut first = 0;
     for out in whole {
-        *out = group(first, LANES);
-        first += LANES;
+        let Both(low, high) = group(first, WIDTH);
+        out[..LANES].copy_from_slice(&low.to_array());
+        out[LANES..].copy_from_slice(&high.to_array());
+        first += WIDTH;
     }
     if !rest.is_empty() {
         let last = group(first, rest.len());
-        rest.copy_from_slice(&last[..rest.len()]);
+        for (lane, out) in rest.iter_mut().enumerate() {
+            *out = Real::lane(last, lane);
+        }
     }
 }
 
@@ -298,7 +333,14 @@ fn ranks(bits: u32) -> LaneWords {
 
 /// Writes the results of the given lanes to the places of their rays.
 #[inline(always)]
-fn land(result: Lanes, lanes: u32, owners: LaneWords, results: &mut [f32]) {
+fn land(result: Wide, lanes: u32, owners: Both<LaneWords>, results: &mut [f32]) {
+    land_half(result.0, lanes & 0xff, owners.0, results);
+    land_half(result.1, lanes >> LANES, owners.1, results);
+}
+
+/// The same, of eight lanes.
+#[inline(always)]
+fn land_half(result: Lanes, lanes: u32, owners: LaneWords, results: &mut [f32]) {
     let values = result.to_array();
     let places = owners.to_array();
     if lanes == 0xff && owners.consecutive() {
@@ -324,7 +366,7 @@ fn land(result: Lanes, lanes: u32, owners: LaneWords, results: &mut [f32]) {
 ///   the bundle; a shorter slice receives the first ones.
 ///
 /// The result of a ray is that of [`woodcock_core::free_flight::delta::sample`] with its key, bit by bit.
-pub fn free_flights<M: Medium<Lanes>>(
+pub fn free_flights<M: Medium<Wide>>(
     medium: &M,
     bundle: &Bundle,
     schedule: Schedule,
@@ -339,19 +381,17 @@ pub fn free_flights<M: Medium<Lanes>>(
 ///
 /// The result of a ray is that of [`woodcock_core::free_flight::analytic::sample`] with its key.
 pub fn analytic_flights(
-    medium: &impl ClosedForm<Lanes>,
+    medium: &impl ClosedForm<Wide>,
     bundle: &Bundle,
     flights: &mut [f32],
 ) -> Usage {
     let mut usage = Usage::default();
     in_groups(bundle, flights, |first, rays| {
-        let all = LaneMask::splat(true);
         let (ray, t_max, mut rng) = group(bundle, first);
-        let flight = analytic::sample(medium, &ray, t_max, &mut rng, all);
-        usage.steps += 1;
-        usage.busy_lanes += rays as u64;
+        let flight = analytic::sample(medium, &ray, t_max, &mut rng, Mask::splat(true));
+        usage.add_step(rays as u32);
         usage.tentative_collisions += rays as u64;
-        flight.or_infinite().to_array()
+        flight.or_infinite()
     });
     usage
 }
@@ -359,12 +399,12 @@ pub fn analytic_flights(
 /// One estimate of transmittance under the rule `U` for each ray of a bundle.
 ///
 /// * `weights`: one a ray. As long as the bundle; a shorter slice receives the first ones.
-pub fn transmittances<U: Rule, M: Medium<Lanes>>(
+pub fn transmittances<U: Rule, M: Medium<Wide>>(
     medium: &M,
     bundle: &Bundle,
     schedule: Schedule,
     weights: &mut [f32],
 ) -> Usage {
-    let mut process = Estimate::<Lanes, M::Walk, U>::idle(medium);
+    let mut process = Estimate::<Wide, M::Walk, U>::idle(medium);
     run(medium, &mut process, bundle, schedule, weights)
 }

@@ -14,10 +14,10 @@ use woodcock_core::transmittance::delta::Delta;
 use woodcock_core::transmittance::ratio::Ratio;
 use woodcock_core::transmittance::residual_ratio::{self, Mean, Minimum, ResidualRatio};
 use woodcock_core::vec3::Vec3;
+use woodcock_packet::both::Wide;
 use woodcock_packet::bundle::{
     Bundle, BundleRay, Schedule, analytic_flights, free_flights, run, transmittances,
 };
-use woodcock_packet::lanes::Lanes;
 use woodcock_tests::grids::{TestGrid, unit};
 use woodcock_tests::stats::independent::SplitMix;
 use woodcock_tests::voxels::TestVoxels;
@@ -88,12 +88,7 @@ fn same(name: &str, wide: &[f32], one: impl Fn(usize) -> f32) {
 }
 
 /// Every length and both schedules; `one` and `eight` are the same medium for each width.
-fn medium<A: Controlled<f32>, B: Controlled<Lanes>>(
-    name: &str,
-    one: &A,
-    eight: &B,
-    size: [f64; 3],
-) {
+fn medium<A: Controlled<f32>, B: Controlled<Wide>>(name: &str, one: &A, eight: &B, size: [f64; 3]) {
     for count in LENGTHS {
         let rays = rays(count, size);
         let bundle: Bundle = rays.iter().collect();
@@ -135,7 +130,7 @@ fn medium<A: Controlled<f32>, B: Controlled<Lanes>>(
 }
 
 /// Every other process that a bundle can run.
-fn processes<A: Controlled<f32>, B: Controlled<Lanes>>(
+fn processes<A: Controlled<f32>, B: Controlled<Wide>>(
     name: &str,
     one: &A,
     eight: &B,
@@ -161,11 +156,11 @@ fn processes<A: Controlled<f32>, B: Controlled<Lanes>>(
         weighted::sample(one, &along, t_max, rng, true).flight
     ));
     check!(
-        ResidualRatio::<Lanes, B::Walk, Mean>::idle(eight),
+        ResidualRatio::<Wide, B::Walk, Mean>::idle(eight),
         |along, t_max, rng| residual_ratio::estimate::<Mean, _, _>(one, &along, t_max, rng, true)
     );
     check!(
-        ResidualRatio::<Lanes, B::Walk, Minimum>::idle(eight),
+        ResidualRatio::<Wide, B::Walk, Minimum>::idle(eight),
         |along, t_max, rng| residual_ratio::estimate::<Minimum, _, _>(
             one, &along, t_max, rng, true
         )
@@ -184,7 +179,7 @@ fn homogeneous_bundles() {
 fn procedural_bundles() {
     let field = |x: f64, y: f64, z: f64| 2.5 + (3.0 * x).sin() + (2.0 * y * z).cos();
     let one = Procedural::new(per_lane::<f32>(field), 4.6).with_control(0.5, 2.5);
-    let eight = Procedural::new(per_lane::<Lanes>(field), 4.6).with_control(0.5, 2.5);
+    let eight = Procedural::new(per_lane::<Wide>(field), 4.6).with_control(0.5, 2.5);
     medium("formula", &one, &eight, [2.0, 1.5, 3.0]);
 }
 
@@ -229,7 +224,7 @@ fn bundles_through_voxels_ramps_and_overlaps() {
 }
 
 /// Closed forms are the same eight at a time.
-fn closed_form(medium: &(impl ClosedForm<f32> + ClosedForm<Lanes>)) {
+fn closed_form(medium: &(impl ClosedForm<f32> + ClosedForm<Wide>)) {
     for count in LENGTHS {
         let rays = rays(count, [2.0; 3]);
         let bundle: Bundle = rays.iter().collect();
