@@ -124,7 +124,7 @@ fn delta_rows<'a, M: Medium<f32> + Medium<Wide>>(medium: &'a M, name: &str) -> [
                 }
             }
         }),
-        Row::new(format!("{name}/x8"), move |work, values| {
+        Row::new(format!("{name}/x16"), move |work, values| {
             for (bundle, out) in work.bundles.iter().zip(values) {
                 free_flights(medium, bundle, Schedule::Refill, out);
             }
@@ -146,7 +146,7 @@ fn decided_rows<'a, M: Tapped<f32> + Tapped<Wide>>(medium: &'a M, name: &str) ->
                 }
             }
         }),
-        Row::new(format!("{name}/x8"), move |work, values| {
+        Row::new(format!("{name}/x16"), move |work, values| {
             for (bundle, out) in work.bundles.iter().zip(values) {
                 let mut state = Decided::idle(medium);
                 run(medium, &mut state, bundle, Schedule::Refill, out);
@@ -289,27 +289,27 @@ fn storage(side: u32, rounds: usize) -> Result<(), Box<dyn Error>> {
     table(&title, &mut rows, &works, rounds);
     ratio(
         &rows,
-        "one tap against interpolation, dense, x8",
-        "dense/trilinear/x8",
-        "dense/one-tap/x8",
+        "one tap against interpolation, dense, x16",
+        "dense/trilinear/x16",
+        "dense/one-tap/x16",
     );
     ratio(
         &rows,
-        "bricks with bytes against dense, one tap, x8",
-        "dense/one-tap/x8",
-        "bricks/squeeze/x8",
+        "bricks with bytes against dense, one tap, x16",
+        "dense/one-tap/x16",
+        "bricks/squeeze/x16",
     );
     ratio(
         &rows,
-        "bytes against none, bricks, x8",
-        "bricks/one-tap/x8",
-        "bricks/squeeze/x8",
+        "bytes against none, bricks, x16",
+        "bricks/one-tap/x16",
+        "bricks/squeeze/x16",
     );
     ratio(
         &rows,
-        "bricks with bytes against interpolation, x8",
-        "dense/trilinear/x8",
-        "bricks/squeeze/x8",
+        "bricks with bytes against interpolation, x16",
+        "dense/trilinear/x16",
+        "bricks/squeeze/x16",
     );
     assert!(
         rows[2..]

@@ -1,4 +1,4 @@
-//! What eight lanes gain: kernel by kernel and end to end, one thread.
+//! What lanes gain: kernel by kernel and end to end, one thread.
 //!
 //! ```text
 //! cargo bench -p woodcock-benches --bench simd_vs_scalar [-- ROW...]

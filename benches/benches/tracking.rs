@@ -1,4 +1,4 @@
-//! Free flight and transmittance: scalar `f32` against eight lanes, lock step against refill.
+//! Free flight and transmittance: scalar `f32` against sixteen lanes, lock step against refill.
 //!
 //! ```text
 //! cargo bench -p woodcock-benches --bench tracking
@@ -167,8 +167,8 @@ impl Row {
 
 fn compare(pair: &Pair<'_>, work: &Work, rounds: usize) {
     let mut scalar = Row::new("x1");
-    let mut refill = Row::new("x8");
-    let mut lock_step = Row::new("x8-lockstep");
+    let mut refill = Row::new("x16");
+    let mut lock_step = Row::new("x16-lockstep");
     for _ in 0..rounds {
         scalar.scalar(pair, work);
         refill.packet(pair, work, Schedule::Refill);
@@ -216,7 +216,7 @@ fn compare(pair: &Pair<'_>, work: &Work, rounds: usize) {
 /// Prints how fast that is, and which part of that speed flights in closed form reach.
 fn bare(medium: &Homogeneous, work: &Work, rounds: usize) {
     let flights = closed_form(medium);
-    let (mut loops, mut whole) = (Times::default(), Row::new("x8"));
+    let (mut loops, mut whole) = (Times::default(), Row::new("x16"));
     let all = LaneMask::splat(true);
     let mut out = vec![0.0_f32; RAYS];
     for _ in 0..rounds {

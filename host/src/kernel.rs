@@ -198,7 +198,9 @@ struct Trace<'a, 'r> {
     plan: &'a Plan,
     absorbs: bool,
     requests: Requests<'r>,
-    land: &'a mut dyn FnMut(usize, PathSample),
+    paths: &'a mut [PathSample],
+    /// The one that paths are grey in, where colours have paths of their own.
+    colour: Option<usize>,
 }
 
 impl Job for Trace<'_, '_> {
@@ -212,11 +214,16 @@ impl Job for Trace<'_, '_> {
         G: Geometry<f32> + Geometry<Lanes> + Geometry<Wide> + Sync + ?Sized,
     {
         let requests = self.requests.iter();
+        let (paths, colour) = (self.paths, self.colour);
+        let mut land = |index: usize, path: PathSample| match colour {
+            None => paths[index] = path,
+            Some(colour) => add_colour(&mut paths[index], colour, &path),
+        };
         match (self.plan.kernel, self.absorbs) {
             (Kernel::Packet, false) => {
-                trace::trace::<M, G, CHROMATIC, RAYLEIGH>(scene, requests, self.land)
+                trace::trace::<M, G, CHROMATIC, RAYLEIGH>(scene, requests, land)
             }
-            (Kernel::Packet, true) => trace::absorb::<M, G, CHROMATIC>(scene, requests, self.land),
+            (Kernel::Packet, true) => trace::absorb::<M, G, CHROMATIC>(scene, requests, land),
             (Kernel::Scalar, absorbs) => {
                 let mut counts = Counts::default();
                 for (index, request) in requests.enumerate() {
@@ -226,7 +233,7 @@ impl Job for Trace<'_, '_> {
                         request,
                         &mut counts,
                     );
-                    (self.land)(index, path);
+                    land(index, path);
                 }
                 counts
             }
@@ -274,22 +281,22 @@ pub(crate) fn trace(
     let absorbs = plan.absorbs(world);
     let mut counts = Counts::default();
     if !world.needs.colours_apart() {
-        let land = &mut |index: usize, path| paths[index] = path;
         let job = Trace {
             plan,
             absorbs,
             requests,
-            land,
+            paths,
+            colour: None,
         };
         return with_kernel(world, plan, None, job);
     }
     for colour in 0..3 {
-        let land = &mut |index: usize, path| add_colour(&mut paths[index], colour, &path);
         let job = Trace {
             plan,
             absorbs,
             requests: requests.seeded(seed_of(plan.seed, colour)),
-            land,
+            paths,
+            colour: Some(colour),
         };
         counts.add(&with_kernel(world, plan, Some(colour), job));
     }
