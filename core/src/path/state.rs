@@ -235,7 +235,7 @@ where
         self.stages[Stage::Enter as usize].set_lane(lane, true);
     }
 
-    /// Whether paths begin with the [glow](glow()) of what is before them.
+    /// Whether paths begin with the [glow](crate::path::glow()) of what is before them.
     #[inline(always)]
     pub fn combs<M: Tapped<R>, G: ?Sized>(scene: &Scene<'_, M, G>) -> bool {
         M::SHINES && !CHROMATIC && scene.settings.combed
