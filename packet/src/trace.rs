@@ -130,9 +130,7 @@ where
             lanes,
             &mut counts,
         );
-        counts.steps += 1;
-        counts.lanes += LANES as u64;
-        counts.busy_lanes += begun as u64;
+        counts.add_step(LANES, begun as u32);
         for lane in 0..begun {
             land(done + lane, path::sample_of(&found, lane));
         }
@@ -156,9 +154,7 @@ where
     let strata = LaneStrata::new(strata);
     let found =
         path::absorb::<f32, M, G, CHROMATIC>(scene, place, &strata, &mut stream, true, counts);
-    counts.steps += 1;
-    counts.lanes += 1;
-    counts.busy_lanes += 1;
+    counts.add_step(1, 1);
     path::sample_of(&found, 0)
 }
 

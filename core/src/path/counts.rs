@@ -28,6 +28,16 @@ pub struct Counts {
 }
 
 impl Counts {
+    /// Adds a step.
+    ///
+    /// * `lanes`: all that there are. `busy`: those with an unfinished path.
+    #[inline(always)]
+    pub fn add_step(&mut self, lanes: usize, busy: u32) {
+        self.steps += 1;
+        self.lanes += lanes as u64;
+        self.busy_lanes += u64::from(busy);
+    }
+
     /// Adds another's.
     pub fn add(&mut self, other: &Self) {
         self.paths += other.paths;

@@ -126,8 +126,7 @@ where
             let mut tracking = running.and_not(beyond);
             let mut here = R::Mask::splat(false);
             while tracking.any() {
-                counts.steps += 1;
-                counts.busy_lanes += u64::from(tracking.count());
+                counts.add_step(R::LANES, tracking.count());
                 counts.majorant_cells += u64::from(tracking.count());
                 let advance = tracker.advance(medium, tracking);
                 here = here | advance.tentative;
@@ -136,9 +135,8 @@ where
             }
             let mut a = R::zero();
             if here.any() {
-                counts.steps += 1;
+                counts.add_step(R::LANES, here.count());
                 let number = u64::from(here.count());
-                counts.busy_lanes += number;
                 counts.tentative_collisions += number;
                 counts.lookups += number;
                 counts.exact_lookups += number;

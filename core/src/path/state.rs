@@ -197,9 +197,8 @@ where
 
     #[inline(always)]
     fn count_step(&mut self) {
-        self.counts.steps += 1;
-        self.counts.lanes += R::LANES as u64;
-        self.counts.busy_lanes += u64::from(self.running().count());
+        let busy = self.running().count();
+        self.counts.add_step(R::LANES, busy);
     }
 
     /// Begins a path that stands ready in one lane, with the stream that made it so.

@@ -382,9 +382,7 @@ impl<R: Real, S: KeyedStream<R>> Walks<R, S> {
     #[inline(always)]
     pub fn step(&mut self, room: &Room<'_>) {
         let lanes = self.running;
-        self.counts.steps += 1;
-        self.counts.lanes += R::LANES as u64;
-        self.counts.busy_lanes += u64::from(lanes.count());
+        self.counts.add_step(R::LANES, lanes.count());
         let may_scatter = lanes.and_not(self.depth.eq(R::Word::splat(room.max_depth)));
         if room.points {
             let on = |n: u32| self.depth.eq(R::Word::splat(n));

@@ -96,6 +96,9 @@ impl Visitor for Equality {
         }
         assert_eq!(events(&scalar_counts), events(&wide_counts), "{name}");
         assert_eq!(scalar_counts.majorant_violations, 0, "{name}");
+        for counts in [&scalar_counts, &wide_counts] {
+            assert!(counts.busy_lanes <= counts.lanes, "{name}: {counts:?}");
+        }
         // Whatever else is requested: few paths, in another order, give the same.
         for count in [0, 1, 7, 8, 9, 100] {
             let picked: Vec<usize> = (0..count)
