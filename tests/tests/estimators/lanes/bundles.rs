@@ -254,7 +254,8 @@ fn closed_form_bundles() {
     }
 }
 
-/// Refilling keeps lanes busy where waiting for the slowest does not.
+/// Refilling keeps lanes busy where waiting for the slowest does not. Up to four lanes wait for one another, which is cheaper than
+/// to begin rays one by one.
 #[test]
 fn refilled_lanes_are_busier() {
     let grid = TestGrid::cloud([33, 26, 25], 93);
@@ -265,7 +266,7 @@ fn refilled_lanes_are_busier() {
     let mut busy = |schedule| free_flights(&medium, &bundle, schedule, &mut out).lane_utilisation();
     let (refill, lock_step) = (busy(Schedule::Refill), busy(Schedule::LockStep));
     assert!(
-        refill > 0.9 && refill > lock_step + 0.1,
+        refill > 0.85 && refill > lock_step + 0.5,
         "{refill} and {lock_step}"
     );
 }
