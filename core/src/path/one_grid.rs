@@ -22,7 +22,7 @@ pub enum Store<'a> {
 
 /// The only medium of a scene, on a grid.
 ///
-/// Either store gives every path the same bits.
+/// Either store gives every path the same bits. Its walks are those that its `idle` makes, which know the grid for good.
 #[derive(Clone, Copy, Debug)]
 pub struct OneGrid<'a> {
     words: [u32; RECORD_WORDS],

@@ -286,7 +286,7 @@ fn wrong_bytes_are_seen() {
         origin: Vec3::splat([-1.0, 0.25, 0.1]),
         direction: Vec3::splat([1.0, 0.0, 0.0]),
     };
-    let mut walk = GridWalk::<f32>::idle();
+    let mut walk: GridWalk<f32> = right.idle();
     right.begin(&mut walk, &ray, true);
     let (mut looked_up, mut differ) = (0, 0);
     while walk.segment().t_exit < 2.0 {

@@ -28,7 +28,7 @@ fn largest_share(
             origin: Vec3::splat(from.to_array()),
             direction: Vec3::splat(direction.to_array()),
         };
-        let mut walk = GridWalk::idle();
+        let mut walk: GridWalk<f32> = walker.idle();
         walker.begin(&mut walk, &ray, true);
         let mut t = 0.0_f32;
         while t < length {
