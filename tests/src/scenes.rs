@@ -16,34 +16,53 @@ use woodcock_core::ray::{Interval, Ray};
 use woodcock_core::real::{Mask, Real, Word};
 use woodcock_packet::both::Wide;
 use woodcock_packet::lanes::Lanes;
-use woodcock_packet::trace::{PathRequest, trace};
+use woodcock_packet::trace::{PathRequest, trace, trace_scalar};
 
 /// Pixels along each side of a film.
 pub const SIDE: u32 = 16;
 
-/// What is done with each scene.
-pub trait Visitor {
-    /// * `CHROMATIC`, `ANY_RAYLEIGH`: what the scene needs of the tracer.
-    fn visit<M, G, const CHROMATIC: bool, const ANY_RAYLEIGH: bool>(
-        &mut self,
-        name: &str,
-        scene: &Scene<'_, M, G>,
-    ) where
-        M: Tapped<f32> + Tapped<Lanes> + Tapped<Wide>,
-        G: Geometry<f32> + Geometry<Lanes> + Geometry<Wide>;
+/// A scene, however it is traced. Packets and scalar code are stamped out here and nowhere else: they take long to compile.
+pub trait Traced {
+    /// Traces requests in packets.
+    ///
+    /// * `land`: is given the place of each request and what came of it.
+    fn in_packets(
+        &self,
+        requests: &[PathRequest],
+        land: &mut dyn FnMut(usize, PathSample),
+    ) -> Counts;
+
+    /// Traces one path in scalar code.
+    fn in_scalars(&self, request: PathRequest, counts: &mut Counts) -> PathSample;
+
+    /// The radiance of its sky.
+    fn environment(&self) -> [f32; 3];
 }
 
-/// Traces requests in packets: one stretch of code for each scene, whoever visits it.
-pub fn traced<M, G, const CHROMATIC: bool, const ANY_RAYLEIGH: bool>(
-    scene: &Scene<'_, M, G>,
-    requests: &[PathRequest],
-    land: &mut dyn FnMut(usize, PathSample),
-) -> Counts
+/// A scene, and what it needs of the tracer.
+struct Needing<'a, M, G, const CHROMATIC: bool, const ANY_RAYLEIGH: bool>(&'a Scene<'a, M, G>);
+
+impl<M, G, const CHROMATIC: bool, const ANY_RAYLEIGH: bool> Traced
+    for Needing<'_, M, G, CHROMATIC, ANY_RAYLEIGH>
 where
-    M: Tapped<Lanes> + Tapped<Wide>,
-    G: Geometry<Lanes> + Geometry<Wide>,
+    M: Tapped<f32> + Tapped<Lanes> + Tapped<Wide>,
+    G: Geometry<f32> + Geometry<Lanes> + Geometry<Wide>,
 {
-    trace::<M, G, CHROMATIC, ANY_RAYLEIGH>(scene, requests.iter().copied(), land)
+    fn in_packets(
+        &self,
+        requests: &[PathRequest],
+        land: &mut dyn FnMut(usize, PathSample),
+    ) -> Counts {
+        trace::<M, G, CHROMATIC, ANY_RAYLEIGH>(self.0, requests.iter().copied(), land)
+    }
+
+    fn in_scalars(&self, request: PathRequest, counts: &mut Counts) -> PathSample {
+        trace_scalar::<M, G, CHROMATIC, ANY_RAYLEIGH>(self.0, request, counts)
+    }
+
+    fn environment(&self) -> [f32; 3] {
+        self.0.lights.environment
+    }
 }
 
 /// Shapes that may overlap, each with a medium of its own number.
@@ -160,7 +179,7 @@ const SILVER: [f32; 3] = [0.95, 0.9, 0.8];
 ///
 /// # Panics
 /// Where core refuses what the scenes are made of.
-pub fn each(visitor: &mut impl Visitor) {
+pub fn each(visit: &mut dyn FnMut(&str, &dyn Traced)) {
     let sun = Distant::new([0.3, 0.8, -0.5], [3.0, 2.5, 2.0]).expect("a valid light");
     let moon = Distant::new([-1.0, 0.1, 0.2], [0.1, 0.2, 0.4]).expect("a valid light");
     let sky = Lights {
@@ -201,13 +220,16 @@ pub fn each(visitor: &mut impl Visitor) {
         camera: &pinhole,
         settings,
     };
-    visitor.visit::<_, _, false, false>("white furnace ball", &scene);
+    visit("white furnace ball", &Needing::<_, _, false, false>(&scene));
     let scene = Scene {
         lights: day,
         camera: &lens,
         ..scene
     };
-    visitor.visit::<_, _, false, false>("ball by day, through a lens", &scene);
+    visit(
+        "ball by day, through a lens",
+        &Needing::<_, _, false, false>(&scene),
+    );
 
     let medium = OneHomogeneous::new(&fog(3.0, REDDISH, SILVER, 0.0, true));
     let geometry = boxed([3, 3, 3], fitted([3; 3], [0.1, 0.0, 0.2], 0.8));
@@ -218,7 +240,10 @@ pub fn each(visitor: &mut impl Visitor) {
         camera: &parallel,
         settings,
     };
-    visitor.visit::<_, _, true, true>("coloured Rayleigh box", &scene);
+    visit(
+        "coloured Rayleigh box",
+        &Needing::<_, _, true, true>(&scene),
+    );
 
     // Light has infinitely far to come: black, and finite all the same.
     let medium = OneHomogeneous::new(&fog(0.4, GREY, SILVER, -0.3, false));
@@ -229,7 +254,7 @@ pub fn each(visitor: &mut impl Visitor) {
         camera: &pinhole,
         settings: short,
     };
-    visitor.visit::<_, _, false, false>("fog without an end", &scene);
+    visit("fog without an end", &Needing::<_, _, false, false>(&scene));
 
     let cloud = TestGrid::cloud([33, 26, 25], 95);
     let to_grid = fitted(cloud.dims, [0.0; 3], 1.0);
@@ -248,13 +273,16 @@ pub fn each(visitor: &mut impl Visitor) {
         camera: &pinhole,
         settings,
     };
-    visitor.visit::<_, _, false, false>("cloud at noon", &scene);
+    visit("cloud at noon", &Needing::<_, _, false, false>(&scene));
     let scene = Scene {
         lights: day,
         settings: by_delta,
         ..scene
     };
-    visitor.visit::<_, _, false, false>("cloud by day, shadows by delta tracking", &scene);
+    visit(
+        "cloud by day, shadows by delta tracking",
+        &Needing::<_, _, false, false>(&scene),
+    );
     let coloured = MediumRecord {
         colour: REDDISH,
         ..grey
@@ -267,12 +295,15 @@ pub fn each(visitor: &mut impl Visitor) {
         camera: &lens,
         settings,
     };
-    visitor.visit::<_, _, true, false>("coloured cloud", &scene);
+    visit("coloured cloud", &Needing::<_, _, true, false>(&scene));
     let scene = Scene {
         settings: by_delta,
         ..scene
     };
-    visitor.visit::<_, _, true, false>("coloured cloud, shadows by delta tracking", &scene);
+    visit(
+        "coloured cloud, shadows by delta tracking",
+        &Needing::<_, _, true, false>(&scene),
+    );
 
     // Two grids in common tables, and two fogs; shapes that overlap in pairs and all together.
     let rough = TestGrid::random([9, 10, 17], 96, 0.5);
@@ -311,5 +342,8 @@ pub fn each(visitor: &mut impl Visitor) {
         camera: &pinhole,
         settings,
     };
-    visitor.visit::<_, _, true, true>("four media that overlap", &scene);
+    visit(
+        "four media that overlap",
+        &Needing::<_, _, true, true>(&scene),
+    );
 }

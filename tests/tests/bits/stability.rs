@@ -5,17 +5,15 @@
 
 use woodcock_core::free_flight::delta;
 use woodcock_core::medium::{IDENTITY, Procedural};
-use woodcock_core::path::{Counts, Geometry, Scene, Tapped};
+use woodcock_core::path::Counts;
 use woodcock_core::phase::{henyey_greenstein, rayleigh};
 use woodcock_core::ray::Ray;
 use woodcock_core::stream::{Key, PathStream, Stream};
 use woodcock_core::transmittance::ratio;
 use woodcock_core::vec3::Vec3;
-use woodcock_packet::both::Wide;
-use woodcock_packet::lanes::Lanes;
-use woodcock_packet::trace::{PathRequest, trace_scalar};
+use woodcock_packet::trace::PathRequest;
 use woodcock_tests::grids::TestGrid;
-use woodcock_tests::scenes::{self, SIDE, Visitor, traced};
+use woodcock_tests::scenes::{self, SIDE, Traced};
 
 /// FNV-1a over the bits of numbers, in their order.
 #[derive(Clone, Copy)]
@@ -127,52 +125,40 @@ fn walks_are_pinned() {
 }
 
 /// Whole paths of every small scene.
-struct Pinned(Vec<(String, u64)>);
-
-impl Visitor for Pinned {
-    fn visit<M, G, const CHROMATIC: bool, const ANY_RAYLEIGH: bool>(
-        &mut self,
-        name: &str,
-        scene: &Scene<'_, M, G>,
-    ) where
-        M: Tapped<f32> + Tapped<Lanes> + Tapped<Wide>,
-        G: Geometry<f32> + Geometry<Lanes> + Geometry<Wide>,
-    {
-        let requests: Vec<PathRequest> = (0..SIDE * SIDE * 5)
-            .map(|i| PathRequest {
-                x: i % SIDE,
-                y: i / SIDE % SIDE,
-                key: Key {
-                    seed: 42,
-                    pixel: i % (SIDE * SIDE),
-                    sample: i / (SIDE * SIDE),
-                },
-            })
-            .collect();
-        let mut counts = Counts::default();
-        let (mut scalar, mut wide) = (Hash::new(), Hash::new());
-        for &request in &requests {
-            let sample = trace_scalar::<M, G, CHROMATIC, ANY_RAYLEIGH>(scene, request, &mut counts);
-            sample.radiance.into_iter().for_each(|r| scalar.number(r));
-            scalar.number(sample.alpha);
-        }
-        let mut samples = vec![Default::default(); requests.len()];
-        traced::<M, G, CHROMATIC, ANY_RAYLEIGH>(scene, &requests, &mut |i, sample| {
-            samples[i] = sample
-        });
-        for sample in samples {
-            sample.radiance.into_iter().for_each(|r| wide.number(r));
-            wide.number(sample.alpha);
-        }
-        assert_eq!(scalar.0, wide.0, "{name}");
-        self.0.push((name.to_owned(), scalar.0));
+/// The hash of some paths of a scene: the same for packets and scalar code.
+fn hash(name: &str, scene: &dyn Traced) -> u64 {
+    let requests: Vec<PathRequest> = (0..SIDE * SIDE * 5)
+        .map(|i| PathRequest {
+            x: i % SIDE,
+            y: i / SIDE % SIDE,
+            key: Key {
+                seed: 42,
+                pixel: i % (SIDE * SIDE),
+                sample: i / (SIDE * SIDE),
+            },
+        })
+        .collect();
+    let mut counts = Counts::default();
+    let (mut scalar, mut wide) = (Hash::new(), Hash::new());
+    for &request in &requests {
+        let sample = scene.in_scalars(request, &mut counts);
+        sample.radiance.into_iter().for_each(|r| scalar.number(r));
+        scalar.number(sample.alpha);
     }
+    let mut samples = vec![Default::default(); requests.len()];
+    scene.in_packets(&requests, &mut |i, sample| samples[i] = sample);
+    for sample in samples {
+        sample.radiance.into_iter().for_each(|r| wide.number(r));
+        wide.number(sample.alpha);
+    }
+    assert_eq!(scalar.0, wide.0, "{name}");
+    scalar.0
 }
 
 #[test]
 fn whole_paths_are_pinned() {
-    let mut pinned = Pinned(Vec::new());
-    scenes::each(&mut pinned);
+    let mut pinned = Vec::new();
+    scenes::each(&mut |name, scene| pinned.push((name.to_owned(), hash(name, scene))));
     let expected = [
         ("white furnace ball", 18_084_478_025_314_948_840),
         ("ball by day, through a lens", 18_076_049_644_080_651_579),
@@ -190,7 +176,7 @@ fn whole_paths_are_pinned() {
         ),
         ("four media that overlap", 10_154_692_060_154_971_878),
     ];
-    let found = pinned.0.iter();
+    let found = pinned.iter();
     let found: Vec<(&str, u64)> = found.map(|(n, hash)| (n.as_str(), *hash)).collect();
     assert_eq!(found, expected);
 }

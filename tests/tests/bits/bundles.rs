@@ -120,7 +120,6 @@ fn medium<A: Controlled<f32>, B: Controlled<Wide>>(name: &str, one: &A, eight: &
                 let (along, mut rng) = scalar(&rays[i]);
                 transmittance::ratio::estimate(one, &along, rays[i].t_max, &mut rng, true)
             });
-            processes(&name, one, eight, &rays, schedule);
         }
         assert_eq!(
             tentative[0], tentative[1],
@@ -129,24 +128,28 @@ fn medium<A: Controlled<f32>, B: Controlled<Wide>>(name: &str, one: &A, eight: &
     }
 }
 
-/// Every other process that a bundle can run.
+/// Every other process that a bundle can run. Bundles know neither media nor processes: a few media stand for all, for each
+/// pair of the two takes seconds to compile.
 fn processes<A: Controlled<f32>, B: Controlled<Wide>>(
     name: &str,
     one: &A,
     eight: &B,
-    rays: &[BundleRay],
-    schedule: Schedule,
+    size: [f64; 3],
 ) {
+    let rays = rays(1000, size);
     let bundle: Bundle = rays.iter().collect();
     let mut out = vec![f32::NAN; rays.len()];
     macro_rules! check {
         ($process:expr, |$along:ident, $t_max:ident, $rng:ident| $scalar:expr) => {
-            run(eight, &mut $process, &bundle, schedule, &mut out);
-            same(&format!("{name}, {}", stringify!($process)), &out, |i| {
-                let ($along, mut stream) = scalar(&rays[i]);
-                let ($t_max, $rng) = (rays[i].t_max, &mut stream);
-                $scalar
-            });
+            for schedule in [Schedule::Refill, Schedule::LockStep] {
+                run(eight, &mut $process, &bundle, schedule, &mut out);
+                let name = format!("{name}, {}, {schedule:?}", stringify!($process));
+                same(&name, &out, |i| {
+                    let ($along, mut stream) = scalar(&rays[i]);
+                    let ($t_max, $rng) = (rays[i].t_max, &mut stream);
+                    $scalar
+                });
+            }
         };
     }
     check!(Decomposition::idle(eight), |along, t_max, rng| distance(
@@ -172,6 +175,7 @@ fn homogeneous_bundles() {
     for sigma_t in [0.0, 0.3, 25.0] {
         let fog = Homogeneous::new(sigma_t).expect("a valid extinction");
         medium("fog", &fog, &fog, [2.0, 3.0, 4.0]);
+        processes("fog", &fog, &fog, [2.0, 3.0, 4.0]);
     }
 }
 
@@ -196,6 +200,7 @@ fn grid_bundles() {
         for scale in [0.05, 2.0] {
             let on_grid = grid.medium(IDENTITY, scale);
             medium(name, &on_grid, &on_grid, size);
+            processes(name, &on_grid, &on_grid, size);
         }
     }
 }
@@ -215,6 +220,7 @@ fn bundles_through_voxels_ramps_and_overlaps() {
         let grid = TestGrid::random([9, 10, 17], 98, 0.4);
         let both = Overlap(Within::domain(grid.medium(IDENTITY, 0.5)), ramp);
         medium("grid in its box and ramp", &both, &both, [12.0, 7.0, 20.0]);
+        processes("grid in its box and ramp", &both, &both, [12.0, 7.0, 20.0]);
     }
     let air = Exponential::new(0.5, [0.0, -0.25, 0.5]).expect("a valid atmosphere");
     medium("atmosphere", &air, &air, [4.0, 4.0, 4.0]);
