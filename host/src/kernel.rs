@@ -130,7 +130,10 @@ fn with_kernel<J: Job>(world: &World, plan: &Plan, colour: Option<usize>, job: J
         }
         Kind::Grid => {
             let record = &world.media[0].record;
-            let medium = world.tables.one_grid(&one(record));
+            let mut medium = world.tables.one_grid(&one(record));
+            if let Location::Convex(place) = &world.place {
+                medium = medium.within(place);
+            }
             match &world.source {
                 None => pick(world, plan, &medium, geometry, chromatic, rayleigh, job),
                 Some(source) => {

@@ -1,5 +1,6 @@
 //! Requests on their way to lanes.
 
+use woodcock_core::majorant::Mark;
 use woodcock_core::path::{
     self, BRANCHES, Counts, Geometry, Glow, PathSample, Scene, Start, Stretch, Tapped,
 };
@@ -79,6 +80,7 @@ pub(crate) struct Ready {
     medium: [u32; LANES],
     state: [[u32; LANES]; 2],
     strata: [[u32; LANES]; 2],
+    mark: Mark<Lanes>,
     /// Radiance, hidden part, number and weight of branches.
     seen: [[f32; LANES]; 6],
     distances: [[f32; LANES]; BRANCHES],
@@ -93,6 +95,7 @@ impl Ready {
             medium: start.first.medium.to_array(),
             state: stream.states(),
             strata: start.strata.words().map(LaneWords::to_array),
+            mark: start.mark,
             seen: Default::default(),
             distances: Default::default(),
         }
@@ -143,6 +146,7 @@ impl Ready {
                 found: true,
             },
             strata: LaneStrata::new(core::array::from_fn(|i| Word32(self.strata[i][place]))),
+            mark: self.mark.lane(place),
         }
     }
 

@@ -1,7 +1,9 @@
 //! Whole paths, sixteen at a time.
 
 use woodcock_core::medium::{Controlled, Medium};
-use woodcock_core::path::{self, Counts, Geometry, PathSample, Paths, Scene, Stage, Start, Tapped};
+use woodcock_core::path::{
+    self, Counts, Geometry, PathMedium, PathSample, Paths, Scene, Stage, Start, Tapped,
+};
 use woodcock_core::points::{self, LaneStrata};
 use woodcock_core::real::{Mask, Word32};
 use woodcock_core::stream::{Key, PathStream};
@@ -48,6 +50,7 @@ where
     // Lanes with an owner, one bit each.
     let mut held = 0_u32;
     let combs = WidePaths::<M, CHROMATIC, ANY_RAYLEIGH>::combs(scene);
+    let alone = PathMedium::<Wide>::is_alone(scene.medium);
     loop {
         let mut running = paths.running().bits();
         if running != ALL && combs {
@@ -68,9 +71,10 @@ where
                     owners[lane] = queue.owners[place];
                     held |= bit;
                     paths.stream().set_state(lane, queue.ready.stream(place));
-                    paths.launch(lane, &queue.ready.start(place));
+                    let start = queue.ready.start(place);
+                    paths.launch(lane, &start, alone);
                     if combs {
-                        paths.launch_glowing(lane, &queue.ready.glow(place));
+                        paths.launch_glowing(lane, &start.ray, &queue.ready.glow(place));
                     }
                 }
             }
@@ -181,9 +185,9 @@ where
     let combs = Paths::<f32, M::Walk, PathStream, CHROMATIC, ANY_RAYLEIGH>::combs(scene);
     let glow = combs.then(|| path::glow(scene, &start, &mut stream, true, paths.counts_mut()));
     *paths.stream() = stream;
-    paths.launch(0, &start);
+    paths.launch(0, &start, scene.medium.is_alone());
     if let Some(glow) = &glow {
-        paths.launch_glowing(0, glow);
+        paths.launch_glowing(0, &start.ray, glow);
         paths.branch(scene);
     }
     while paths.running() {

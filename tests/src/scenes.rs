@@ -274,7 +274,18 @@ pub fn each(visit: &mut dyn FnMut(&str, &dyn Traced)) {
         settings,
     };
     visit("cloud at noon", &Needing::<_, _, false, false>(&scene));
+    let alone = medium.within(&geometry);
     let scene = Scene {
+        medium: &alone,
+        ..scene
+    };
+    visit(
+        "cloud at noon, known to be alone",
+        &Needing::<_, _, false, false>(&scene),
+    );
+
+    let scene = Scene {
+        medium: &medium,
         lights: day,
         settings: by_delta,
         ..scene

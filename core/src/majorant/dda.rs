@@ -12,7 +12,7 @@ use crate::majorant::leaps::{CODE_BITS, CODE_MASK};
 use crate::majorant::{BLOCK, MajorantGrid, Segment};
 use crate::path::Bricks;
 use crate::ray::{Ray, bounded_reciprocal};
-use crate::real::{Mask, Real, Word};
+use crate::real::{Mask, Real, Word, Word32};
 use crate::stream::Stream;
 use crate::vec3::Vec3;
 
@@ -115,6 +115,73 @@ pub struct GridWalk<R: Real> {
     reach: R,
 }
 
+/// A place in a grid and what is known of its block: rays set out from it without asking where they are.
+#[derive(Clone, Copy, Debug)]
+pub struct Mark<R: Real> {
+    place: Vec3<R>,
+    /// The block's low corner.
+    low: Vec3<R>,
+    index: R::Word,
+    majorant: R,
+    reach: R,
+}
+
+impl<R: Real> Default for Mark<R> {
+    #[inline(always)]
+    fn default() -> Self {
+        Self::none()
+    }
+}
+
+impl<R: Real> Mark<R> {
+    /// No place.
+    #[inline(always)]
+    pub fn none() -> Self {
+        let nowhere = Vec3::uniform(0.0);
+        Self {
+            place: nowhere,
+            low: nowhere,
+            index: R::Word::splat(0),
+            majorant: R::zero(),
+            reach: R::one(),
+        }
+    }
+
+    /// `if_true` where the mask holds, else `if_false`.
+    #[inline(always)]
+    pub fn select(mask: R::Mask, if_true: &Self, if_false: &Self) -> Self {
+        Self {
+            place: Vec3::select(mask, if_true.place, if_false.place),
+            low: Vec3::select(mask, if_true.low, if_false.low),
+            index: R::Word::select(mask, if_true.index, if_false.index),
+            majorant: R::select(mask, if_true.majorant, if_false.majorant),
+            reach: R::select(mask, if_true.reach, if_false.reach),
+        }
+    }
+
+    /// Sets one lane.
+    #[inline(always)]
+    pub fn set_lane(&mut self, lane: usize, mark: &Mark<f32>) {
+        self.place.set_lane(lane, mark.place.lane(0));
+        self.low.set_lane(lane, mark.low.lane(0));
+        self.index.set_lane(lane, mark.index.0);
+        self.majorant.set_lane(lane, mark.majorant);
+        self.reach.set_lane(lane, mark.reach);
+    }
+
+    /// One lane.
+    #[inline(always)]
+    pub fn lane(&self, lane: usize) -> Mark<f32> {
+        Mark {
+            place: Vec3::splat(self.place.lane(lane)),
+            low: Vec3::splat(self.low.lane(lane)),
+            index: Word32(self.index.lane(lane)),
+            majorant: self.majorant.lane(lane),
+            reach: self.reach.lane(lane),
+        }
+    }
+}
+
 impl<R: Real> GridWalk<R> {
     /// A walk with no ray yet, in no grid.
     pub fn idle() -> Self {
@@ -188,13 +255,25 @@ impl<R: Real> GridWalk<R> {
             + (cell[0] + one)
             + (cell[1] + one) * layout.majorant_strides[0]
             + (cell[2] + one) * layout.majorant_strides[1];
-        let direction = ray.direction;
-        let backward = [direction.x, direction.y, direction.z].map(|d| d.lt(R::zero()));
+        let low = |a: usize| R::from_word(cell[a]) * edge;
+        let low = Vec3::new(low(0), low(1), low(2));
+        self.set_out(ray, low, index, active);
+        self.read(majorants, active);
+    }
+
+    /// Puts the active lanes on a ray in the block of a low corner and an entry.
+    #[inline(always)]
+    fn set_out(&mut self, ray: &Ray<R>, low: Vec3<R>, index: R::Word, active: R::Mask) {
+        let layout = &self.layout;
+        let edge = layout.edge;
+        let Vec3 { x, y, z } = ray.direction;
+        let backward = [x, y, z].map(|d| d.lt(R::zero()));
         let across = |a: usize| R::select(backward[a], -edge, edge);
         let across = Vec3::new(across(0), across(1), across(2));
-        let near = |a: usize| R::from_word(cell[a] + R::Word::from_mask(backward[a])) * edge;
-        let near = Vec3::new(near(0), near(1), near(2));
-        let zero = R::Word::splat(0);
+        // Exact: multiples of a power of two.
+        let near = |low: R, a: usize| low + edge.or_zero(backward[a]);
+        let near = Vec3::new(near(low.x, 0), near(low.y, 1), near(low.z, 2));
+        let (zero, one) = (R::Word::splat(0), R::Word::splat(1));
         let signed = |stride, back| R::Word::select(back, zero - stride, stride);
         let strides = [
             signed(one, backward[0]),
@@ -215,7 +294,45 @@ impl<R: Real> GridWalk<R> {
         }
         self.index = R::Word::select(active, index, self.index);
         self.octant = R::Word::select(active, octant, self.octant);
-        self.read(majorants, active);
+    }
+
+    /// The places at distance `t` of the present segments; where those are cubes of blocks, within the first.
+    #[inline(always)]
+    pub fn mark(&self, t: R) -> Mark<R> {
+        let far = self.near + self.across;
+        Mark {
+            place: self.place(t),
+            low: Vec3::new(
+                self.near.x.min(far.x),
+                self.near.y.min(far.y),
+                self.near.z.min(far.z),
+            ),
+            index: self.index,
+            majorant: self.majorant,
+            reach: self.reach,
+        }
+    }
+
+    /// Puts the active lanes at marks of the grid that they are in. Returns how far their rays stay within the grid's domain.
+    ///
+    /// * `direction`: in grid space; its length is what a unit of t covers there. Of marks with empty blocks around, the one that
+    ///   they were made with.
+    #[inline(always)]
+    pub fn resume(&mut self, mark: &Mark<R>, direction: Vec3<R>, active: R::Mask) -> R {
+        let ray = Ray {
+            origin: mark.place,
+            direction,
+        };
+        self.set_out(&ray, mark.low, mark.index, active);
+        self.majorant = R::select(active, mark.majorant, self.majorant);
+        self.reach = R::select(active, mark.reach, self.reach);
+        let last = self.layout.last;
+        let exit = |o: R, d: R, inverse: R, last: R| (last.or_zero(R::zero().le(d)) - o) * inverse;
+        let (o, d, inverse) = (ray.origin, ray.direction, self.inverse);
+        let x = exit(o.x, d.x, inverse.x, last.x);
+        let y = exit(o.y, d.y, inverse.y, last.y);
+        let z = exit(o.z, d.z, inverse.z, last.z);
+        x.min(y).min(z)
     }
 
     /// Reads the present entry: a bound, or how much nothing lies ahead.

@@ -18,7 +18,7 @@ mod work;
 
 pub use cells::{CellError, Cells};
 pub use controls::{ControlledGrid, fill_control_slab, fill_controls};
-pub use dda::{GridLayout, GridWalk};
+pub use dda::{GridLayout, GridWalk, Mark};
 pub(crate) use footprint::for_each_entry;
 pub use footprint::{block_counts, majorant_count, majorant_count_of};
 pub use grid::{BLOCK, EDGES, MajorantError, MajorantGrid, fill_majorants, fill_slab};

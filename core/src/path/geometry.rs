@@ -54,6 +54,11 @@ pub trait Geometry<R: Real>: core::fmt::Debug {
     /// found; otherwise the first collision ends the flight.
     fn overlaps(&self) -> bool;
 
+    /// No ray has more than one stretch: once it has passed that one, nobody needs to ask for another.
+    fn is_single(&self) -> bool {
+        false
+    }
+
     /// The stretch number `cursor` (from zero) of each active lane's ray. Other lanes: anything.
     fn stretch(&self, ray: &Ray<R>, cursor: R::Word, active: R::Mask) -> Stretch<R>;
 }
@@ -103,6 +108,11 @@ impl<R: Real> Geometry<R> for Convex {
     #[inline(always)]
     fn overlaps(&self) -> bool {
         false
+    }
+
+    #[inline(always)]
+    fn is_single(&self) -> bool {
+        true
     }
 
     #[inline(always)]

@@ -4,12 +4,13 @@
 //! with several keeps them in a table, and each lane walks its own ([`Atlas`]).
 
 use crate::free_flight::delta::is_real;
-use crate::majorant::{BLOCK, GridLayout, GridWalk, MajorantGrid, Segment};
+use crate::majorant::{BLOCK, GridLayout, GridWalk, MajorantGrid, Mark, Segment};
 use crate::medium::{Affine, Control, Controlled, IDENTITY, Medium, transform_ray};
 use crate::path::bricks::brick_counts;
+use crate::path::geometry::Convex;
 use crate::phase::Phase;
 use crate::ray::{FAR, Ray};
-use crate::real::{Mask, Real, Word};
+use crate::real::{Mask, Real, Word, Word32};
 use crate::stream::Stream;
 use crate::vec3::Vec3;
 
@@ -30,6 +31,32 @@ pub trait PathMedium<R: Real>: Medium<R> {
     fn enter(&self, walk: &mut Self::Walk, ray: &Ray<R>, id: R::Word, active: R::Mask);
     /// How the medium of each lane scatters.
     fn optics(&self, walk: &Self::Walk) -> Optics<R>;
+
+    /// Whether it alone is in the scene, in all of its domain: rays that set out from [marks](Self::mark) need no geometry.
+    #[inline(always)]
+    fn is_alone(&self) -> bool {
+        false
+    }
+    /// The places at distance `t` of the present segments. Of a medium that [is alone](Self::is_alone).
+    #[inline(always)]
+    fn mark(&self, _walk: &Self::Walk, _t: R) -> Mark<R> {
+        Mark::none()
+    }
+    /// Puts the active lanes at marks, on rays in a direction of the world. Returns how far those stay within the medium
+    /// \[length\].
+    ///
+    /// Marks are those of collisions, or of the origins of rays in the same directions.
+    #[inline(always)]
+    fn resume(&self, _: &mut Self::Walk, _: &Mark<R>, _: Vec3<R>, _active: R::Mask) -> R {
+        R::zero()
+    }
+    /// The marks of the origins of rays.
+    #[inline(always)]
+    fn mark_origin(&self, ray: &Ray<R>, active: R::Mask) -> Mark<R> {
+        let mut walk = self.idle();
+        self.enter(&mut walk, ray, R::Word::splat(0), active);
+        self.mark(&walk, R::zero())
+    }
 }
 
 /// A medium of packets: the extinction at a place is that of one sample of a table, picked at random.
@@ -253,6 +280,17 @@ impl<F> Fields<F> {
     {
         let row = |at: usize| [0_usize, 1, 2, 3].map(|i| self.real::<R>(AFFINE + at * 4 + i));
         transform_ray([row(0), row(1), row(2)], ray)
+    }
+    /// The box of a grid's domain, of a record that is the same for all lanes.
+    pub(super) fn domain(&self) -> Convex
+    where
+        F: Fn(usize) -> Word32,
+    {
+        let row = |at: usize| [0_usize, 1, 2, 3].map(|i| self.real::<f32>(AFFINE + at * 4 + i));
+        Convex::Box {
+            to_local: [row(0), row(1), row(2)],
+            size: self.vec3::<f32>(LAST).lane(0),
+        }
     }
     #[inline(always)]
     pub(super) fn optics<R: Real>(&self) -> Optics<R>

@@ -1,15 +1,17 @@
 //! The only medium of a scene, on a grid: dense, or in bricks.
 
 use crate::free_flight::delta::is_real;
-use crate::majorant::{GridWalk, Segment};
+use crate::majorant::{GridWalk, Mark, Segment};
 use crate::medium::{Control, Controlled, Medium};
 use crate::path::bricks::Bricks;
+use crate::path::geometry::Convex;
 use crate::path::media::{
     Decided, MediumRecord, Optics, PathMedium, RECORD_WORDS, Tapped, constant,
 };
 use crate::ray::Ray;
 use crate::real::{Mask, Real};
 use crate::stream::Stream;
+use crate::vec3::Vec3;
 
 /// Where a grid's samples are.
 #[derive(Clone, Copy, Debug)]
@@ -30,6 +32,7 @@ pub struct OneGrid<'a> {
     majorants: &'a [f32],
     /// Minorants and means of blocks, or nothing.
     controls: [&'a [f32]; 2],
+    alone: bool,
 }
 
 impl<'a> OneGrid<'a> {
@@ -49,7 +52,16 @@ impl<'a> OneGrid<'a> {
             store,
             majorants,
             controls: [&[]; 2],
+            alone: false,
         }
+    }
+
+    /// The same grid in a scene whose geometry is given: where that is nothing but the grid's own domain, rays that begin within
+    /// need not ask for it.
+    #[must_use]
+    pub fn within(self, place: &Convex) -> Self {
+        let alone = *place == constant::<f32>(&self.words).domain();
+        Self { alone, ..self }
     }
 
     /// With what is known of blocks besides their bounds: tables in the layout of the bounds, as
@@ -100,6 +112,29 @@ impl<R: Real> PathMedium<R> for OneGrid<'_> {
     #[inline(always)]
     fn optics(&self, _: &GridWalk<R>) -> Optics<R> {
         constant::<R>(&self.words).optics::<R>()
+    }
+    #[inline(always)]
+    fn is_alone(&self) -> bool {
+        self.alone
+    }
+    #[inline(always)]
+    fn mark(&self, walk: &GridWalk<R>, t: R) -> Mark<R> {
+        walk.mark(t)
+    }
+    #[inline(always)]
+    fn resume(
+        &self,
+        walk: &mut GridWalk<R>,
+        mark: &Mark<R>,
+        direction: Vec3<R>,
+        active: R::Mask,
+    ) -> R {
+        let along = Ray {
+            origin: Vec3::uniform(0.0),
+            direction,
+        };
+        let along = constant::<R>(&self.words).to_grid(&along);
+        walk.resume(mark, along.direction, active)
     }
 }
 

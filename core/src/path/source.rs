@@ -9,7 +9,7 @@
 //! [Simon 2017]). σ_a is that of the tap. L_e is no linear function of what is interpolated (a temperature, a product),
 //! so all its parts are interpolated in full at the place itself.
 
-use crate::majorant::Segment;
+use crate::majorant::{Mark, Segment};
 use crate::medium::{Affine, Control, Controlled, Medium, transform_ray};
 use crate::path::{Decided, Optics, PathMedium, Tapped};
 use crate::ray::Ray;
@@ -203,6 +203,18 @@ impl<R: Real, M: PathMedium<R>> PathMedium<R> for Shining<'_, M> {
     #[inline(always)]
     fn optics(&self, walk: &M::Walk) -> Optics<R> {
         self.medium.optics(walk)
+    }
+    #[inline(always)]
+    fn is_alone(&self) -> bool {
+        self.medium.is_alone()
+    }
+    #[inline(always)]
+    fn mark(&self, walk: &M::Walk, t: R) -> Mark<R> {
+        self.medium.mark(walk, t)
+    }
+    #[inline(always)]
+    fn resume(&self, walk: &mut M::Walk, mark: &Mark<R>, direction: Vec3<R>, active: R::Mask) -> R {
+        self.medium.resume(walk, mark, direction, active)
     }
 }
 

@@ -1,6 +1,7 @@
 //! Where paths begin: camera rays, and their first stretches within media.
 
-use crate::path::{Geometry, Scene, Stretch};
+use crate::majorant::Mark;
+use crate::path::{Geometry, PathMedium, Scene, Stretch};
 use crate::points::{Choice, LaneStrata, Stratified};
 use crate::ray::Ray;
 use crate::real::Real;
@@ -15,6 +16,8 @@ pub struct Start<R: Real> {
     pub first: Stretch<R>,
     /// The strata of the paths' first choices.
     pub strata: LaneStrata<R::Word>,
+    /// Where the stretches begin, in a medium that is alone.
+    pub mark: Mark<R>,
 }
 
 impl<R: Real> Start<R> {
@@ -22,7 +25,7 @@ impl<R: Real> Start<R> {
     ///
     /// * `x`, `y`: column and row of each path's pixel. `strata`: read where the scene asks for points.
     #[inline(always)]
-    pub fn new<M, G: Geometry<R> + ?Sized>(
+    pub fn new<M: PathMedium<R>, G: Geometry<R> + ?Sized>(
         scene: &Scene<'_, M, G>,
         place: [R; 2],
         strata: LaneStrata<R::Word>,
@@ -30,10 +33,20 @@ impl<R: Real> Start<R> {
         lanes: R::Mask,
     ) -> Self {
         use crate::real::Word;
-        let ray = camera_ray(scene, place, &strata, rng, lanes);
+        let mut ray = camera_ray(scene, place, &strata, rng, lanes);
         let mut first = scene.geometry.stretch(&ray, R::Word::splat(0), lanes);
         first.found = first.found & lanes;
-        Self { ray, first, strata }
+        let mut mark = Mark::none();
+        if scene.medium.is_alone() {
+            ray.origin = ray.at(first.interval.t0);
+            mark = scene.medium.mark_origin(&ray, first.found);
+        }
+        Self {
+            ray,
+            first,
+            strata,
+            mark,
+        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! The paths of all lanes, and the steps that move them from stage to stage.
 
 use crate::collision;
-use crate::majorant::Tracker;
+use crate::majorant::{Mark, Tracker};
 use crate::path::{
     Counts, Geometry, Glow, Optics, PathSample, Scene, ShadowEstimator, Start, Stretch, Tapped,
 };
@@ -47,6 +47,8 @@ pub struct Paths<R: Real, W, S, const CHROMATIC: bool, const ANY_RAYLEIGH: bool>
     first: Stretch<R>,
     tracker: Tracker<R, W>,
     ray: Ray<R>,
+    /// Where the ray sets out, in a medium that is alone.
+    mark: Mark<R>,
     /// Where the tracker's ray begins: the entry of the present stretch, and its distance.
     entry: Vec3<R>,
     entered: R,
@@ -112,6 +114,7 @@ where
                 origin: zero,
                 direction: zero,
             },
+            mark: Mark::none(),
             entry: zero,
             entered: R::zero(),
             cursor: R::Word::splat(0),
@@ -204,22 +207,24 @@ where
     /// Begins a path that stands ready in one lane, with the stream that made it so.
     ///
     /// Written one by one: as many lanes as finish begin anew, mostly one, and all others keep what they have.
+    ///
+    /// * `alone`: the medium [is alone](crate::path::PathMedium::is_alone).
     #[inline(always)]
-    pub fn launch(&mut self, lane: usize, start: &Start<f32>) {
-        self.ray.origin.set_lane(lane, start.ray.origin.lane(0));
-        self.ray
-            .direction
-            .set_lane(lane, start.ray.direction.lane(0));
-        self.first
-            .interval
-            .t0
-            .set_lane(lane, start.first.interval.t0);
-        self.first
-            .interval
-            .t1
-            .set_lane(lane, start.first.interval.t1);
-        self.first.medium.set_lane(lane, start.first.medium.0);
-        self.first.found.set_lane(lane, start.first.found);
+    pub fn launch(&mut self, lane: usize, start: &Start<f32>, alone: bool) {
+        let (ray, first) = (&start.ray, &start.first);
+        self.ray.direction.set_lane(lane, ray.direction.lane(0));
+        if alone {
+            self.ray
+                .origin
+                .set_lane(lane, ray.at(first.interval.t0).lane(0));
+            self.mark.set_lane(lane, &start.mark);
+        } else {
+            self.ray.origin.set_lane(lane, ray.origin.lane(0));
+            self.first.interval.t0.set_lane(lane, first.interval.t0);
+            self.first.interval.t1.set_lane(lane, first.interval.t1);
+            self.first.medium.set_lane(lane, first.medium.0);
+            self.first.found.set_lane(lane, first.found);
+        }
         self.strata.set_lane(lane, start.strata);
         self.throughput.set_lane(lane, [1.0; 3]);
         self.forced.set_lane(lane, 1.0);
@@ -242,15 +247,14 @@ where
 
     /// Gives a path that was just launched what its camera ray was found to see; it waits for [`branch`](Self::branch).
     #[inline(always)]
-    pub fn launch_glowing(&mut self, lane: usize, glow: &Glow<f32>) {
+    pub fn launch_glowing(&mut self, lane: usize, camera: &Ray<f32>, glow: &Glow<f32>) {
         self.stages[Stage::Enter as usize].set_lane(lane, false);
         // The camera ray is done with its stretches.
         self.first.found.set_lane(lane, false);
+        self.camera.origin.set_lane(lane, camera.origin.lane(0));
         self.camera
-            .origin
-            .set_lane(lane, self.ray.origin.lane(lane));
-        let direction = self.ray.direction.lane(lane);
-        self.camera.direction.set_lane(lane, direction);
+            .direction
+            .set_lane(lane, camera.direction.lane(0));
         self.radiance.set_lane(lane, glow.radiance.lane(0));
         self.alpha.set_lane(lane, glow.alpha);
         self.glow.set_lane(lane, glow);
@@ -281,6 +285,14 @@ where
             phase: Phase::select(lanes, &phase, &self.hit.phase),
         };
         self.ray = Ray::select(lanes, &self.camera, &self.ray);
+        if scene.medium.is_alone() {
+            let ray = Ray {
+                origin: point,
+                direction: self.camera.direction,
+            };
+            let mark = scene.medium.mark_origin(&ray, lanes);
+            self.mark = Mark::select(lanes, &mark, &self.mark);
+        }
         let weight = self.glow.weight;
         let throughput = Vec3::new(weight, weight, weight);
         self.throughput = Vec3::select(lanes, throughput, self.throughput);
@@ -309,7 +321,25 @@ where
         G: Geometry<R> + ?Sized,
     {
         self.count_step();
+        if scene.geometry.is_single() {
+            // Ends at once what has passed, so that flights after shadow rays set out in the same step.
+            let on_first = self.cursor.eq(R::Word::splat(0));
+            let passed = self.at(Stage::Enter).and_not(on_first);
+            if passed.any() {
+                self.end_ray(scene, passed);
+            }
+        }
         let lanes = self.at(Stage::Enter);
+        if scene.medium.is_alone() {
+            let walk = &mut self.tracker.walk;
+            let length = scene
+                .medium
+                .resume(walk, &self.mark, self.ray.direction, lanes);
+            self.entry = Vec3::select(lanes, self.ray.origin, self.entry);
+            self.begin_flight(scene, length, lanes);
+            self.go(lanes, Stage::Enter, Stage::Track);
+            return;
+        }
         let known = self.first.found & lanes;
         let sought = lanes.and_not(known);
         let stretch = if sought.any() {
@@ -596,6 +626,10 @@ where
             albedo: Vec3::select(real, albedo, self.hit.albedo),
             phase: Phase::select(real, &phase, &self.hit.phase),
         };
+        if scene.medium.is_alone() {
+            let mark = scene.medium.mark(&self.tracker.walk, t);
+            self.mark = Mark::select(real, &mark, &self.mark);
+        }
         let seen = real & self.depth.eq(R::Word::splat(0));
         self.alpha = R::select(seen, self.alpha.max(R::one()), self.alpha);
         if scene.geometry.overlaps() {

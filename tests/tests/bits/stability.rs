@@ -165,6 +165,11 @@ fn whole_paths_are_pinned() {
         ("coloured Rayleigh box", 14_406_448_493_002_267_250),
         ("fog without an end", 2_336_505_398_752_068_389),
         ("cloud at noon", 13_016_388_093_732_081_442),
+        // No rounding has turned a decision.
+        (
+            "cloud at noon, known to be alone",
+            13_016_388_093_732_081_442,
+        ),
         (
             "cloud by day, shadows by delta tracking",
             10_933_961_822_422_455_959,

@@ -6,6 +6,7 @@
 use woodcock_core::camera::{Camera, Projection};
 use woodcock_core::light::Lights;
 use woodcock_core::majorant::BLOCK;
+use woodcock_core::majorant::Mark;
 use woodcock_core::medium::Affine;
 use woodcock_core::path::{
     self, Convex, Counts, Field, Geometry, MediumRecord, OneGrid, Radiance, RecordKind, STRATUM,
@@ -195,7 +196,12 @@ impl Case {
             };
             let strata = points::strata(key).words().map(Word32);
             let strata = LaneStrata::new(strata).with_common(Word32(points::common(key)));
-            let start = Start { ray, first, strata };
+            let start = Start {
+                ray,
+                first,
+                strata,
+                mark: Mark::none(),
+            };
             let mut rng = PathStream::new(key);
             let glow = path::glow(&scene, &start, &mut rng, true, &mut counts);
             let [red, _, blue] = glow.radiance.lane(0);

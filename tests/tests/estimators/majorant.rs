@@ -13,6 +13,7 @@ use woodcock_tests::widths::{everyone, ray, width};
 mod controls;
 mod errors;
 mod leaps;
+mod marks;
 mod rounding;
 mod tracker;
 mod work;
