@@ -60,7 +60,8 @@ use crate::light::Lights;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ShadowEstimator {
     /// [`crate::transmittance::power_series`] for the camera rays of scenes that only absorb, which see little else;
-    /// [`crate::transmittance::ratio`] with roulette for shadow rays, most of which are soon blocked.
+    /// [`crate::transmittance::ratio`] with roulette for shadow rays, most of which are soon blocked, and again for those that
+    /// [would bring much](Settings::bright).
     #[default]
     ByNeed,
     /// [`crate::transmittance::ratio`].
@@ -89,6 +90,10 @@ pub struct Settings {
     /// being traced at all; positive. Those that are traced bring at least as much but for what is in their way, and play
     /// roulette again where that leaves little of it.
     pub faint: f32,
+    /// The density of scattering towards a light, times throughput [1/sr], for each multiple of which the transmittance of a shadow ray
+    /// is estimated once more, up to sixteen times, where it has no closed form; the mean counts. Positive; infinite for one
+    /// estimate a ray.
+    pub bright: f32,
     /// The throughput below which a path plays roulette, and survives with it.
     pub roulette: f32,
 }
@@ -107,6 +112,7 @@ impl Default for Settings {
             forced: false,
             combed: false,
             faint: 0.06,
+            bright: f32::INFINITY,
             roulette: 0.25,
         }
     }

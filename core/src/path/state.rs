@@ -66,6 +66,8 @@ pub struct Paths<R: Real, W, S, const CHROMATIC: bool, const ANY_RAYLEIGH: bool>
     forced: R,
     /// Below this weight the shadow ray plays roulette, and survives with it.
     floor: R,
+    /// How many further estimates of the shadow ray's transmittance follow the present one.
+    further: R,
     depth: R::Word,
     /// Density with which the present direction was sampled [1/sr].
     pdf: R,
@@ -89,6 +91,8 @@ const FAINT_ON_THE_WAY: f32 = 0.4;
 const LEAST: f32 = 1.0 / 64.0;
 /// No shadow ray plays roulette above this weight.
 const ROULETTE_SHADOW: f32 = 0.5;
+/// Estimates of the transmittance of one shadow ray, at most.
+const MOST_ESTIMATES: f32 = 16.0;
 /// Above this throughput a flight in a homogeneous medium is made to collide.
 const FORCED: f32 = 0.2;
 /// A density that no competing strategy comes near.
@@ -134,6 +138,7 @@ where
             weight: zero,
             forced: R::one(),
             floor: R::zero(),
+            further: R::zero(),
             depth: R::Word::splat(0),
             pdf: R::zero(),
             shadow: none,
@@ -482,16 +487,22 @@ where
         self.weight = Vec3::select(lanes, self.weight.times(factor), self.weight);
     }
 
-    /// No further medium on these rays: a shadow ray reaches its light, a flight its nearest
+    /// No further medium on these rays: a shadow ray reaches its light, or sets out once more; a flight its nearest
     /// collision or the environment.
     #[inline(always)]
     fn end_ray<M, G: ?Sized>(&mut self, scene: &Scene<'_, M, G>, ended: R::Mask) {
         let lit = ended & self.shadow;
         let radiance = self.radiance + self.direct.times(self.weight);
         self.radiance = Vec3::select(lit, radiance, self.radiance);
-        self.ray.direction = Vec3::select(lit, self.next_direction, self.ray.direction);
-        self.shadow = self.shadow.and_not(lit);
         self.begin_ray(lit);
+        let again = R::zero().lt(self.further) & lit;
+        if again.any() {
+            self.further = R::select(again, self.further - R::one(), self.further);
+            self.weight = Vec3::select(again, Vec3::uniform(1.0), self.weight);
+        }
+        let done = lit.and_not(again);
+        self.ray.direction = Vec3::select(done, self.next_direction, self.ray.direction);
+        self.shadow = self.shadow.and_not(done);
 
         let flown = ended.and_not(lit);
         let collided = self.limit.lt(R::splat(FAR)) & flown;
@@ -758,7 +769,11 @@ where
                 alive,
             );
             let looks = alive.and_not(factor.eq(R::zero()));
-            self.direct = Vec3::select(looks, direct * factor, self.direct);
+            // The noise of one that brings much is worth several estimates.
+            let estimates = Self::estimates::<M>(promise, scene.settings.bright);
+            let part = factor / estimates;
+            self.direct = Vec3::select(looks, direct * part, self.direct);
+            self.further = R::select(looks, estimates - R::one(), self.further);
             self.weight = Vec3::select(looks, Vec3::uniform(1.0), self.weight);
             let faint = R::splat(scene.settings.faint);
             let floor = faint * R::splat(FAINT_ON_THE_WAY) / promise.max(faint);
@@ -771,6 +786,16 @@ where
         }
         self.begin_ray(alive);
         self.go(alive, Stage::Scatter, Stage::Enter);
+    }
+
+    /// How many estimates of its transmittance a shadow ray of so much promise is worth; one where each is exact.
+    #[inline(always)]
+    fn estimates<M: Tapped<R>>(promise: R, bright: f32) -> R {
+        if M::TIGHT {
+            return R::one();
+        }
+        let worth = (promise * R::splat(1.0 / bright)).min(R::splat(MOST_ESTIMATES));
+        R::from_word(worth.to_word()).max(R::one())
     }
 
     /// Two uniform numbers for the direction of a scattering that has been counted.

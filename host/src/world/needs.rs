@@ -47,6 +47,8 @@ pub enum Feature {
     FlownEmission,
     /// Shadow rays however little they would bring.
     FaintShadowRays,
+    /// One estimate of what passes along a shadow ray, however much it would bring.
+    SingleEstimates,
     /// Paths that carry all colours.
     SharedPaths,
     /// First choices drawn apart from those of other samples.
@@ -59,7 +61,7 @@ pub enum Feature {
 
 impl Feature {
     /// All of them, in the order of the table.
-    pub const ALL: [Self; 22] = [
+    pub const ALL: [Self; 23] = [
         Self::Tracking,
         Self::Chromatic,
         Self::SeveralMedia,
@@ -78,6 +80,7 @@ impl Feature {
         Self::FreePassage,
         Self::FlownEmission,
         Self::FaintShadowRays,
+        Self::SingleEstimates,
         Self::SharedPaths,
         Self::IndependentSamples,
         Self::Bricks,
@@ -107,6 +110,7 @@ impl Feature {
             Self::FreePassage => "free-passage",
             Self::FlownEmission => "flown-emission",
             Self::FaintShadowRays => "faint-shadow-rays",
+            Self::SingleEstimates => "single-estimates",
             Self::SharedPaths => "shared-paths",
             Self::IndependentSamples => "independent-samples",
         }
