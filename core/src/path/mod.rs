@@ -20,6 +20,9 @@
 //! Where a medium shines, the camera ray may be *combed* instead: [`glow()`] finds what it sees, and launch goes to scatter, once for each of a
 //! few branches.
 //!
+//! Among [`Surfaces`] there are two more stages, which serve lanes one by one. A flight that has come to where surfaces may be *looks* for
+//! the nearest, and flies on up to there; one that arrives is *shaded*: a light, a direction by the BSDF. Shadow rays look first.
+//!
 //! Each step serves all lanes in its stage and no other. Which stage runs when changes no path's value,
 //! as a path draws only its own numbers in its own order; packets use that freedom to fill their
 //! lanes, and one lane simply follows the arrows.
@@ -35,6 +38,7 @@ mod source;
 mod start;
 mod state;
 mod stratum;
+mod surfaces;
 
 pub use absorption::{absorb, sample_of};
 pub use bricks::{
@@ -52,6 +56,7 @@ pub use source::{BlackBodies, Field, Radiance, Shining, Source};
 pub use start::Start;
 pub use state::{Paths, Stage};
 pub use stratum::STRATUM;
+pub use surfaces::{Arrival, Enclosure, NoSurfaces, Onward, Surfaces, clearance};
 
 use crate::camera::Camera;
 use crate::light::Lights;

@@ -24,7 +24,7 @@ pub use work::LIMIT as COLLISION_LIMIT;
 use glam::{DAffine3, DVec3};
 use woodcock_core::camera::{self, Camera};
 use woodcock_core::light::{Distant, Lights};
-use woodcock_core::path::{Convex, RECORD_WORDS, Settings};
+use woodcock_core::path::{Convex, Enclosure as SurfaceBox, RECORD_WORDS, Settings};
 use woodcock_core::ray::{FAR, Ray as CoreRay};
 use woodcock_core::vec3::Vec3;
 
@@ -94,6 +94,8 @@ pub struct World {
     pub(crate) glow: Option<Glow>,
     /// The tables of a scene that is a room.
     pub(crate) room: Option<Blueprint>,
+    /// Boxes around all surfaces, for packets that have to know where none are.
+    pub(crate) enclosures: Vec<SurfaceBox>,
     /// The largest extinction of each medium, by its bounds [1/length].
     pub(crate) thickest: Vec<f64>,
     /// The diameter of what bounds the media \[length\]; infinite where one fills space.
@@ -305,7 +307,15 @@ pub fn assemble(scene: &Scene, files: &dyn Files, options: &Options) -> Result<W
         keep,
         &mut needs,
     );
-    let room = room(scene, origin, (&assembled.media, &place), keep, &mut needs);
+    let matter = (assembled.media.as_slice(), &surfaces);
+    let room = room(scene, origin, matter, &place, keep, &mut needs);
+    let enclosures = surfaces.enclosures(ENCLOSURES);
+    let single = |corner: DVec3| corner.as_vec3().to_array();
+    let enclosures = enclosures.into_iter().map(|[low, high]| SurfaceBox {
+        low: single(low),
+        high: single(high),
+    });
+    let enclosures = enclosures.collect();
     // Of grids, which have extents of their own, seen from outside; no other medium shines in packets.
     let collisions = assembled
         .media
@@ -350,28 +360,61 @@ pub fn assemble(scene: &Scene, files: &dyn Files, options: &Options) -> Result<W
         source,
         glow,
         room,
+        enclosures,
     })
+}
+
+/// Boxes that packets compare with each ray.
+const ENCLOSURES: usize = 6;
+
+/// Whether surfaces can wait in a queue while packets track the media among them, or why not.
+fn queued(media: &[Medium], surfaces: &Surfaces, needs: &Needs) -> Result<(), &'static str> {
+    if media.is_empty() {
+        return Err("no medium to be seen");
+    }
+    if surfaces.emitters() > 0 {
+        return Err("surfaces shine");
+    }
+    if needs.runs(Feature::Emission) {
+        return Err("a medium shines");
+    }
+    if needs.needs_scalars_but_for_surfaces() {
+        return Err("lights or media are more than packets render");
+    }
+    Ok(())
 }
 
 /// The tables of a scene that is a room, and the row that says whether it is one.
 fn room(
     scene: &Scene,
     origin: DVec3,
-    (media, place): (&[Medium], &Location),
+    (media, surfaces): (&[Medium], &Surfaces),
+    place: &Location,
     keep: &[Feature],
     needs: &mut Needs,
 ) -> Option<Blueprint> {
     if scene.surfaces.is_empty() && scene.instances.is_empty() {
         let kept = needs.runs(Feature::Surfaces);
         needs.decide(Feature::DetailedSurfaces, kept, keep, "no surfaces");
+        needs.decide(Feature::SurfaceQueue, false, &[], "no surfaces");
         return None;
     }
     let room = Blueprint::new(scene, origin, media, place);
-    let reason = match &room {
-        Ok(room) => room.summary(),
-        Err(refusal) => (*refusal).to_owned(),
+    let queue = queued(media, surfaces, needs);
+    let reason = match (&room, &queue) {
+        (Ok(room), _) => room.summary(),
+        (Err(refusal), Ok(())) => format!("no room ({refusal}), but packets track the media"),
+        (Err(refusal), Err(other)) => format!("{refusal}; {other}"),
     };
-    needs.decide(Feature::DetailedSurfaces, room.is_err(), keep, reason);
+    let needed = room.is_err() && queue.is_err();
+    let detailed = needs.decide(Feature::DetailedSurfaces, needed, keep, reason);
+    let queues = room.is_err() && !detailed && needs.runs(Feature::Surfaces);
+    let reason = match (&room, queues) {
+        (Ok(_), _) => "rays of a room meet surfaces in lanes",
+        (_, true) => "media are tracked in packets, hits on surfaces wait in a queue",
+        (_, false) => "the scalar integrators",
+    };
+    needs.decide(Feature::SurfaceQueue, queues, &[], reason);
     room.ok()
 }
 
@@ -460,19 +503,22 @@ fn path_needed(
         needs.decide(Feature::IndependentSamples, apart, keep, reason);
         return;
     }
+    let among_surfaces = needs.runs(Feature::SurfaceQueue);
     let scatters = media.iter().any(|m| m.record.albedo != [0.0; 3]);
     let shines = needs.runs(Feature::Emission);
     let reason = match (scatters, shines, media.is_empty()) {
+        _ if among_surfaces => "surfaces scatter",
         (true, ..) => "a medium scatters",
         (false, true, _) => "a medium shines on the way to where flights end",
         (false, false, false) => "absorption only: transmittance alone",
         (false, false, true) => "no medium to be seen",
     };
-    let scatters = scatters || shines;
+    let scatters = scatters || shines || among_surfaces;
     let scatters = needs.decide(Feature::Scattering, scatters, keep, reason);
     let one = matches!(place, Location::Convex(convex) if *convex != Convex::Everywhere)
         && !needs.runs(Feature::Tracking)
-        && !needs.runs(Feature::SeveralMedia);
+        && !needs.runs(Feature::SeveralMedia)
+        && !among_surfaces;
     let spread = spread(media);
     let alike = spread < COLOURS_APART;
     let reason = match (needs.runs(Feature::Chromatic), alike) {

@@ -281,7 +281,7 @@ fn several_estimates_are_as_right_as_one_and_less_noisy() {
         let mut studio = stage_with(&text, volume("cloud_zip.vdb"), &[]).seeded(seed);
         assert!(studio.plan.settings.bright.is_finite());
         studio.plan.settings.bright = bright;
-        studio.shoot(128)
+        studio.shoot(512)
     };
     let single = shoot(4.0, f32::INFINITY, 53);
     let several = shoot(4.0, 0.01, 54);

@@ -1,0 +1,142 @@
+//! Surfaces among media: what paths ask of whoever knows them, one lane at a time.
+//!
+//! Media are tracked in lanes; surfaces are met one by one. So that few rays have to be compared with them, they come with a few boxes
+//! that enclose them all: up to the nearest of those a ray is free ([`clearance`]), and flights go no further before they look.
+
+use core::fmt::Debug;
+
+use crate::ray::{FAR, Ray, clip_to_box};
+use crate::real::Real;
+use crate::vec3::Vec3;
+
+/// A box that encloses surfaces, by its corners \[length\].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Enclosure {
+    /// The least coordinates.
+    pub low: [f32; 3],
+    /// The largest coordinates.
+    pub high: [f32; 3],
+}
+
+/// Where a path arrived on a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Arrival {
+    /// The place \[length\].
+    pub point: [f32; 3],
+    /// Bound on the part of light that the surface sends on, by colour, for roulette.
+    pub albedo: [f32; 3],
+}
+
+/// A direction chosen at a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Onward {
+    /// Unit direction away from the surface.
+    pub direction: [f32; 3],
+    /// What the path's throughput is multiplied by, by colour.
+    pub weight: [f32; 3],
+    /// Density of the direction [1/sr], as it competes with the sampling of lights; `None` where nothing else finds it.
+    pub pdf: Option<f32>,
+}
+
+/// The surfaces of a scene with matter, and where the path of each lane stands among them.
+///
+/// A lane *stands* at a place: in space, or on a surface where its path arrived. Its rays begin there, and where that is on a surface
+/// they begin on the side that they lead to. Directions are unit vectors but for rounding.
+pub trait Surfaces: Clone + Debug {
+    /// Whether there are any. Without, nothing below is called, and nothing of it is compiled.
+    const ANY: bool;
+
+    /// Boxes that enclose all.
+    fn enclosures(&self) -> &[Enclosure];
+
+    /// Looks along a camera ray that waits at a `place` for a lane: the distance of the first surface, [`FAR`] if there is none.
+    fn sight(&mut self, place: usize, origin: [f32; 3], direction: [f32; 3]) -> f32;
+
+    /// Gives a lane the path of the camera ray that was looked along at `place`; `None` if it was not.
+    fn launch(&mut self, lane: usize, place: Option<usize>, origin: [f32; 3]);
+
+    /// The path of a lane stands in space.
+    fn stand(&mut self, lane: usize, point: [f32; 3]);
+
+    /// Looks from where a lane stands: the distance of the first surface, [`FAR`] if there is none.
+    fn look(&mut self, lane: usize, direction: [f32; 3]) -> f32;
+
+    /// Whether any surface lies in a direction from where a lane stands.
+    fn is_hidden(&self, lane: usize, direction: [f32; 3]) -> bool;
+
+    /// The path of a lane collides at distance `t` of the ray that was looked along last, before the surface found then. Stands there
+    /// from now on, on this side of the surface; returns the place.
+    fn collide(&mut self, lane: usize, direction: [f32; 3], t: f32) -> [f32; 3];
+
+    /// The path of a lane arrives, in a direction, at the surface that was found last, and stands there from now on.
+    fn arrive(&mut self, lane: usize, direction: [f32; 3]) -> Arrival;
+
+    /// The BSDF of the surface where a lane arrived, times |cos θ|, by colour, for light that comes from `towards` [1/sr]; and the density
+    /// with which [`sample`](Self::sample) chooses that direction [1/sr].
+    fn scatter(&self, lane: usize, towards: [f32; 3]) -> ([f32; 3], f32);
+
+    /// Chooses a direction by numbers in [0, 1), the kind of scattering by the first; `None` where the path ends.
+    fn sample(&self, lane: usize, numbers: [f32; 3]) -> Option<Onward>;
+}
+
+/// No surfaces.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct NoSurfaces;
+
+impl Surfaces for NoSurfaces {
+    const ANY: bool = false;
+    fn enclosures(&self) -> &[Enclosure] {
+        &[]
+    }
+    fn sight(&mut self, _: usize, _: [f32; 3], _: [f32; 3]) -> f32 {
+        FAR
+    }
+    fn launch(&mut self, _: usize, _: Option<usize>, _: [f32; 3]) {}
+    fn stand(&mut self, _: usize, _: [f32; 3]) {}
+    fn look(&mut self, _: usize, _: [f32; 3]) -> f32 {
+        FAR
+    }
+    fn is_hidden(&self, _: usize, _: [f32; 3]) -> bool {
+        false
+    }
+    fn collide(&mut self, _: usize, _: [f32; 3], _: f32) -> [f32; 3] {
+        [0.0; 3]
+    }
+    fn arrive(&mut self, _: usize, _: [f32; 3]) -> Arrival {
+        Arrival {
+            point: [0.0; 3],
+            albedo: [0.0; 3],
+        }
+    }
+    fn scatter(&self, _: usize, _: [f32; 3]) -> ([f32; 3], f32) {
+        ([0.0; 3], 0.0)
+    }
+    fn sample(&self, _: usize, _: [f32; 3]) -> Option<Onward> {
+        None
+    }
+}
+
+/// The part of coordinates' magnitudes by which boxes are grown: some sixty roundings of single precision, of which a ray and
+/// its clipping have less than sixteen.
+const SLACK: f32 = 1.0 / 262_144.0;
+
+/// A distance up to which a ray meets no surface that the boxes enclose; [`FAR`] if it meets none at all.
+#[inline(always)]
+pub fn clearance<R: Real>(enclosures: &[Enclosure], ray: &Ray<R>) -> R {
+    let size = ray.origin.map(R::abs).sum();
+    let mut near = R::splat(FAR);
+    for Enclosure { low, high } in enclosures {
+        let reach = low
+            .iter()
+            .chain(high)
+            .fold(0.0_f32, |reach, x| reach + x.abs());
+        let slack = (size + R::splat(reach)) * R::splat(SLACK);
+        let slack = Vec3::new(slack, slack, slack);
+        let corner = Vec3::splat(*low) - slack;
+        let extent = Vec3::splat(*high) + slack - corner;
+        let within = clip_to_box(ray.origin - corner, ray.direction, extent);
+        let met = within.t0.le(within.t1);
+        near = R::select(met, near.min(within.t0), near);
+    }
+    near
+}
