@@ -280,7 +280,7 @@ where
 
 /// Looks along the camera ray that waits at a place: the distance of the first surface, [`FAR`] if there is none.
 pub(crate) fn sight(surfaces: &mut impl Surfaces, place: usize, ray: &Ray<f32>) -> f32 {
-    if path::clearance(surfaces.enclosures(), ray) < FAR {
+    if path::clearance(surfaces.enclosures(), ray, Word32(path::NO_PLANE)) < FAR {
         surfaces.sight(place, ray.origin.lane(0), ray.direction.lane(0))
     } else {
         FAR

@@ -56,7 +56,7 @@ pub use source::{BlackBodies, Field, Radiance, Shining, Source};
 pub use start::Start;
 pub use state::{Paths, Stage};
 pub use stratum::STRATUM;
-pub use surfaces::{Arrival, Enclosure, NoSurfaces, Onward, Surfaces, clearance};
+pub use surfaces::{Arrival, Enclosure, NO_PLANE, NoSurfaces, Onward, Surfaces, clearance};
 
 use crate::camera::Camera;
 use crate::light::Lights;

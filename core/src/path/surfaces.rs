@@ -6,7 +6,7 @@
 use core::fmt::Debug;
 
 use crate::ray::{FAR, Ray, clip_to_box};
-use crate::real::Real;
+use crate::real::{Mask, Real, Word};
 use crate::vec3::Vec3;
 
 /// A box that encloses surfaces, by its corners \[length\].
@@ -25,6 +25,8 @@ pub struct Arrival {
     pub point: [f32; 3],
     /// Bound on the part of light that the surface sends on, by colour, for roulette.
     pub albedo: [f32; 3],
+    /// Which of the boxes is flat and lies in the surface's plane: rays that leave the surface meet none of what it encloses.
+    pub plane: Option<u32>,
 }
 
 /// A direction chosen at a surface.
@@ -106,6 +108,7 @@ impl Surfaces for NoSurfaces {
         Arrival {
             point: [0.0; 3],
             albedo: [0.0; 3],
+            plane: None,
         }
     }
     fn scatter(&self, _: usize, _: [f32; 3]) -> ([f32; 3], f32) {
@@ -120,12 +123,17 @@ impl Surfaces for NoSurfaces {
 /// its clipping have less than sixteen.
 const SLACK: f32 = 1.0 / 262_144.0;
 
+/// No box's number.
+pub const NO_PLANE: u32 = u32::MAX;
+
 /// A distance up to which a ray meets no surface that the boxes enclose; [`FAR`] if it meets none at all.
+///
+/// * `plane`: the number of a box that counts for nothing, [`NO_PLANE`] where all count.
 #[inline(always)]
-pub fn clearance<R: Real>(enclosures: &[Enclosure], ray: &Ray<R>) -> R {
+pub fn clearance<R: Real>(enclosures: &[Enclosure], ray: &Ray<R>, plane: R::Word) -> R {
     let size = ray.origin.map(R::abs).sum();
     let mut near = R::splat(FAR);
-    for Enclosure { low, high } in enclosures {
+    for (number, Enclosure { low, high }) in (0..).zip(enclosures) {
         let reach = low
             .iter()
             .chain(high)
@@ -135,7 +143,10 @@ pub fn clearance<R: Real>(enclosures: &[Enclosure], ray: &Ray<R>) -> R {
         let corner = Vec3::splat(*low) - slack;
         let extent = Vec3::splat(*high) + slack - corner;
         let within = clip_to_box(ray.origin - corner, ray.direction, extent);
-        let met = within.t0.le(within.t1);
+        let met = within
+            .t0
+            .le(within.t1)
+            .and_not(plane.eq(R::Word::splat(number)));
         near = R::select(met, near.min(within.t0), near);
     }
     near

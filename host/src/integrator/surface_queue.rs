@@ -12,7 +12,7 @@ use woodcock_packet::lanes::LANES;
 use crate::bsdf::{Bsdf, Transport};
 use crate::ray::{Anchor, Ray};
 use crate::surface::Hit;
-use crate::world::World;
+use crate::world::{Plane, World};
 
 /// The path of a lane.
 #[derive(Clone, Copy, Debug)]
@@ -143,23 +143,24 @@ impl Surfaces for SurfaceQueue<'_> {
         let nowhere = Arrival {
             point: [0.0; 3],
             albedo: [0.0; 3],
+            plane: None,
         };
-        let Some(standing) = self.lanes.get_mut(lane) else {
-            return nowhere;
-        };
-        let Some(hit) = standing.ahead else {
+        let Some(hit) = self.lanes.get(lane).and_then(|standing| standing.ahead) else {
             return nowhere;
         };
         let bsdf = self.world.materials.at(&hit);
-        *standing = Standing {
-            anchor: hit.anchor,
-            ahead: None,
-            from: -unit(direction),
-            bsdf: Some(bsdf),
-        };
+        if let Some(standing) = self.lanes.get_mut(lane) {
+            *standing = Standing {
+                anchor: hit.anchor,
+                ahead: None,
+                from: -unit(direction),
+                bsdf: Some(bsdf),
+            };
+        }
         Arrival {
             point: hit.anchor.point.as_vec3().to_array(),
             albedo: bsdf.albedo().map(|albedo| albedo as f32),
+            plane: self.plane(&hit),
         }
     }
 
@@ -188,6 +189,19 @@ impl Surfaces for SurfaceQueue<'_> {
 }
 
 impl SurfaceQueue<'_> {
+    /// The flat box that a surface lies in, if it does.
+    ///
+    /// Flat boxes have the same number twice in an axis, of single precision as of double, and so have the corners of all triangles
+    /// within, so that none of them leaves the plane by rounding.
+    fn plane(&self, hit: &Hit) -> Option<u32> {
+        let holds = |planes: &&Plane| hit.anchor.point[planes.axis] == planes.level;
+        self.world
+            .planes
+            .iter()
+            .find(holds)
+            .map(|plane| plane.number)
+    }
+
     /// What scatters where a lane arrived.
     fn scatterer(&self, lane: usize) -> Option<(&Standing, &Bsdf)> {
         let standing = self.lanes.get(lane)?;

@@ -96,6 +96,8 @@ pub struct World {
     pub(crate) room: Option<Blueprint>,
     /// Boxes around all surfaces, for packets that have to know where none are.
     pub(crate) enclosures: Vec<SurfaceBox>,
+    /// Those of them that are flat.
+    pub(crate) planes: Vec<Plane>,
     /// The largest extinction of each medium, by its bounds [1/length].
     pub(crate) thickest: Vec<f64>,
     /// The diameter of what bounds the media \[length\]; infinite where one fills space.
@@ -310,6 +312,7 @@ pub fn assemble(scene: &Scene, files: &dyn Files, options: &Options) -> Result<W
     let matter = (assembled.media.as_slice(), &surfaces);
     let room = room(scene, origin, matter, &place, keep, &mut needs);
     let enclosures = surfaces.enclosures(ENCLOSURES);
+    let planes = planes(&enclosures);
     let single = |corner: DVec3| corner.as_vec3().to_array();
     let enclosures = enclosures.into_iter().map(|[low, high]| SurfaceBox {
         low: single(low),
@@ -361,7 +364,31 @@ pub fn assemble(scene: &Scene, files: &dyn Files, options: &Options) -> Result<W
         glow,
         room,
         enclosures,
+        planes,
     })
+}
+
+/// A plane across an axis, in which all lies that one of the boxes around surfaces holds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Plane {
+    /// 0, 1 or 2.
+    pub(crate) axis: usize,
+    /// Where \[length\].
+    pub(crate) level: f64,
+    /// Which box.
+    pub(crate) number: u32,
+}
+
+fn planes(enclosures: &[[DVec3; 2]]) -> Vec<Plane> {
+    let flat = |(number, [low, high]): (u32, &[DVec3; 2])| {
+        let axis = (0..3).find(|&axis| low[axis] == high[axis])?;
+        Some(Plane {
+            axis,
+            level: low[axis],
+            number,
+        })
+    };
+    (0..).zip(enclosures).filter_map(flat).collect()
 }
 
 /// Boxes that packets compare with each ray.

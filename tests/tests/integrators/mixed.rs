@@ -186,3 +186,168 @@ fn scalar_code_has_the_bits_of_packets() {
         }
     }
 }
+
+/// Nothing absorbs, and light of radiance 1 comes from everywhere: every picture is 1. Paths that only the sky ends bring exactly that,
+/// but for the rounding of what surfaces reflect.
+#[test]
+fn furnaces_are_white() {
+    let white = |sigma_s: f64| coloured([0.0; 3], [sigma_s; 3], 0.4);
+    let things = floor(&diffuse([1.0; 3]))
+        + &sphere(&diffuse([1.0; 3]), [-0.6, 0.3, 0.0], 0.5)
+        + &sphere(GLASS, [0.4, 0.1, -0.6], 0.5)
+        + &in_glass("grid", "", [0.9, -0.4, 0.3], 0.4);
+    let grid = uniform_grid("grid", [9, 8, 7], UNIT, lumps, &white(2.0));
+    let exhibits = [
+        Exhibit::new(
+            "white things in a white cloud",
+            front(),
+            sky(1.0) + &grid + &things + &block("grid", "", [[-1.0; 3], [1.0, 0.5, 1.0]]),
+        ),
+        Exhibit::new(
+            "white things in white media that overlap",
+            front(),
+            sky(1.0)
+                + &grid
+                + &things
+                + &homogeneous("fog", &white(0.7))
+                + &block("grid", "", [[-1.0, -1.0, -1.0], [1.0, 0.5, 1.0]])
+                + &ball("fog", "", [0.0; 3], 1.2),
+        ),
+    ];
+    for (exhibit, seed) in exhibits.iter().zip((9200..).step_by(10)) {
+        let studio = staged(exhibit, &[], Integrator::Path, seed);
+        assert!(is_queued(&studio), "{}", exhibit.name);
+        let picture = studio.shoot_range(0..64);
+        picture.assert_sound(exhibit.name);
+        for (x, y, pixel) in picture.film.pixels() {
+            for value in pixel.mean() {
+                let off = (value - 1.0).abs();
+                assert!(off < 1e-5, "{}: {value} at ({x}, {y})", exhibit.name);
+            }
+        }
+        // Where the sky is sampled, too, each path brings 1 on average only.
+        let sampled = packets(exhibit, &[Feature::EnvironmentNextEvent], seed + 1);
+        sampled.assert_same(exhibit.name, &sampled.known(1.0), 0.005);
+        must_kill(exhibit.name, sampled.strongest(&sampled.known(1.02), 0.005));
+    }
+}
+
+/// White walls around everything, from which no path escapes: all end.
+#[test]
+fn paths_that_lose_nothing_end() {
+    let world = sky(1.0)
+        + &homogeneous("fog", &coloured([0.0; 3], [0.5; 3], 0.0))
+        + &sphere(&diffuse([1.0; 3]), [0.0; 3], 2.0)
+        + &sphere(METAL, [9.0, 0.0, 0.0], 1.0)
+        + &ball("fog", "", [0.0; 3], 1.0);
+    let view = perspective([0.0, 0.0, -1.5], [0.0, 0.0, 1.0], 60.0);
+    let exhibit = Exhibit::new("a white ball from within", view, world);
+    let mut studio = staged(&exhibit, &[], Integrator::Path, 9300);
+    assert!(is_queued(&studio));
+    studio.world.window.x1 = 1;
+    studio.world.window.y1 = 1;
+    let picture = studio.shoot_range(0..4);
+    assert_eq!(picture.counts.paths, 4);
+    for (.., pixel) in picture.film.pixels() {
+        assert_eq!(pixel.mean(), [0.0; 3], "a leak");
+    }
+}
+
+/// A closed box in fog that is lit from everywhere without: no path that begins within comes out, however near to a wall it collides, and
+/// no shadow ray does.
+#[test]
+fn walls_do_not_leak() {
+    let walls = with_material(
+        &diffuse([0.8; 3]),
+        &format!(
+            "Rotate 20 1 1 0\nTranslate 0.1 0.2 0.3\n{}",
+            block_mesh([[-1.0; 3], [1.0; 3]])
+        ),
+    );
+    let world = "MediumInterface \"\" \"\"\n".to_owned()
+        + &day()
+        + &walls
+        + &sphere(METAL, [0.0, -0.3, 0.8], 0.3)
+        + &homogeneous("haze", &grey(2.0, 0.9, 0.8))
+        + &ball("haze", "", [0.0; 3], 9.0);
+    let view = perspective([0.0, 0.0, -0.3], [0.0, 0.0, 1.0], 90.0);
+    let camera = format!("MediumInterface \"\" \"haze\"\n{view}");
+    let exhibit = Exhibit::new("a closed box", camera, world);
+    let studio = staged(&exhibit, &[], Integrator::Path, 9400);
+    assert!(is_queued(&studio));
+    let picture = studio.shoot_range(0..256);
+    assert!(picture.counts.real_collisions > 100_000);
+    for (x, y, pixel) in picture.film.pixels() {
+        assert_eq!(pixel.mean(), [0.0; 3], "light at ({x}, {y})");
+        assert_eq!(pixel.alpha(), 1.0, "a hole at ({x}, {y})");
+    }
+}
+
+/// Of each kind of mistake the comparisons see one.
+#[test]
+fn mistakes_among_surfaces_are_seen() {
+    let right = &scenes()[1];
+    let reference = packets(right, &[], 9500);
+    let changed = |from: &str, to: &str| {
+        assert!(right.world.contains(from), "{from}");
+        let world = right.world.replacen(from, to, 1);
+        Exhibit {
+            world,
+            ..right.clone()
+        }
+    };
+    for (name, wrong) in [
+        ("reflectance", changed("0.6 0.5 0.4", "0.56 0.46 0.37")),
+        ("sun", changed("1.6 1.4 1.2", "1.52 1.32 1.14")),
+        ("sky", changed("0.4 0.4 0.4", "0.37 0.37 0.37")),
+        ("index", changed("\"float eta\" 1.5", "\"float eta\" 1.2")),
+        (
+            "roughness",
+            changed("\"float roughness\" 0.2", "\"float roughness\" 0.6"),
+        ),
+        (
+            "ball",
+            changed("\"float radius\" 0.45", "\"float radius\" 0.52"),
+        ),
+        (
+            "mean cosine",
+            changed("\"float g\" 0.4", "\"float g\" 0.75"),
+        ),
+    ] {
+        let picture = packets(&wrong, &[], 9501);
+        must_kill(name, picture.strongest(&reference, RESOLUTION));
+    }
+}
+
+#[test]
+fn what_packets_do_not_queue_is_left_to_scalar_code() {
+    let base = day() + &ground() + &cloud(&grey(3.0, 0.95, 0.6));
+    let queued = |world: String, keep: &[Feature], integrator: Integrator| {
+        is_queued(&staged(
+            &Exhibit::new("perhaps", front(), world),
+            keep,
+            integrator,
+            1,
+        ))
+    };
+    let path = Integrator::Path;
+    assert!(queued(base.clone(), &[], path));
+    assert!(!queued(base.clone(), &[Feature::DetailedSurfaces], path));
+    assert!(
+        !queued(base.clone() + &disk_above([1.0; 3]), &[], path),
+        "a lamp"
+    );
+    assert!(
+        !queued(base.clone() + &point([0.0, 3.0, 0.0], 1.0), &[], path),
+        "a point"
+    );
+    assert!(
+        !queued(day() + &ground() + &sphere(METAL, [0.0; 3], 0.5), &[], path),
+        "no medium"
+    );
+    let shining = day() + &ground() + &fire(1.0) + &block("fire", "", UNIT);
+    assert!(!queued(shining, &[], path), "a medium that shines");
+    let room =
+        day() + &ground() + &homogeneous("m", &grey(1.5, 0.8, 0.4)) + &ball("m", "", [0.0; 3], 0.9);
+    assert!(!queued(room, &[], path), "a room");
+}

@@ -7,7 +7,7 @@
 use super::{CERTAIN, Paths, Stage};
 use crate::collision;
 use crate::path::surfaces::clearance;
-use crate::path::{Geometry, Scene, Surfaces, Tapped};
+use crate::path::{Geometry, NO_PLANE, Scene, Surfaces, Tapped};
 use crate::ray::FAR;
 use crate::real::{Mask, Real, Word};
 use crate::stream::KeyedStream;
@@ -35,6 +35,8 @@ pub(super) struct Among<R: Real> {
     bounded: R::Mask,
     /// Paths that stand where their surfaces say; others stand at their ray's origin.
     stands: R::Mask,
+    /// The flat box whose plane they stand in.
+    plane: R::Word,
 }
 
 impl<R: Real> Among<R> {
@@ -46,6 +48,7 @@ impl<R: Real> Among<R> {
             sighted: none,
             bounded: none,
             stands: none,
+            plane: R::Word::splat(NO_PLANE),
         }
     }
 }
@@ -84,12 +87,14 @@ where
             sighted,
             bounded,
             stands,
+            plane,
         } = &mut self.among;
         from.set_lane(lane, 0.0);
         struck.set_lane(lane, false);
         sighted.set_lane(lane, true);
         bounded.set_lane(lane, distance < FAR);
         stands.set_lane(lane, true);
+        plane.set_lane(lane, NO_PLANE);
     }
 
     /// Begins the rays of lanes at a stage, whose origins and directions are set. Flights of paths that carry nothing end instead.
@@ -102,7 +107,7 @@ where
         if !lanes.any() {
             return;
         }
-        let near = clearance(self.surfaces.enclosures(), &self.ray);
+        let near = clearance(self.surfaces.enclosures(), &self.ray, self.among.plane);
         let free = R::splat(FAR).le(near);
         self.cursor = R::Word::select(lanes, R::Word::splat(0), self.cursor);
         self.limit = R::select(lanes, near, self.limit);
@@ -133,6 +138,8 @@ where
     #[inline(always)]
     pub(super) fn collide_among(&mut self, lanes: R::Mask) {
         let before = lanes & self.among.bounded;
+        let none = R::Word::splat(NO_PLANE);
+        self.among.plane = R::Word::select(lanes, none, self.among.plane);
         self.among.stands = self.among.stands.and_not(lanes) | before;
         for lane in each(before) {
             let direction = self.ray.direction.lane(lane);
@@ -192,10 +199,12 @@ where
         self.depth = self.depth + R::Word::from_mask(lanes);
         let mut point = self.ray.origin;
         let mut albedo = Vec3::uniform(0.0);
+        let mut plane = R::Word::splat(NO_PLANE);
         for lane in each(alive) {
             let arrival = self.surfaces.arrive(lane, self.ray.direction.lane(lane));
             point.set_lane(lane, arrival.point);
             albedo.set_lane(lane, arrival.albedo);
+            plane.set_lane(lane, arrival.plane.unwrap_or(NO_PLANE));
         }
         let left = self.throughput.times(albedo).max_component();
         let roulette = R::splat(scene.settings.roulette);
@@ -214,6 +223,7 @@ where
         }
         self.ray.origin = Vec3::select(alive, point, self.ray.origin);
         self.among.stands = self.among.stands | alive;
+        self.among.plane = R::Word::select(alive, plane, self.among.plane);
         let kind = self.stream.uniform(alive);
         let (u, v) = self.phase_numbers(scene.settings.points, alive);
         let mut direction = self.ray.direction;
