@@ -117,6 +117,9 @@ pub type Lanes<'a> = Box<dyn Fn(&Bundle, f32, &mut [f32]) + 'a>;
 /// The same of one ray.
 pub type Single<'a> = Box<dyn Fn(&Ray<f32>, f32, f32, &mut PathStream) -> f32 + 'a>;
 
+/// How many look-ups an estimate takes.
+pub type Counted<'a> = Box<dyn Fn(&BundleRay, f32) -> u64 + 'a>;
+
 /// A way to estimate what passes.
 pub struct Way<'a> {
     /// What it is called.
@@ -126,7 +129,7 @@ pub struct Way<'a> {
     /// Ray by ray: the ray, its length, the floor.
     pub single: Single<'a>,
     /// The same, under audit: how many look-ups there were.
-    pub lookups: Box<dyn Fn(&BundleRay, f32) -> u64 + 'a>,
+    pub lookups: Counted<'a>,
 }
 
 impl std::fmt::Debug for Way<'_> {

@@ -263,7 +263,7 @@ def spiked(args, factor):
 
 
 def spike(args, peers):
-    """Times with a spike over those without, renderers and spikes taking turns; the rest of their merits a spike leaves alone."""
+    """Times with a spike over those without, renderers taking turns; the rest of their merits a spike leaves alone."""
     rounds, spp, factors = 3, {"mitsuba": 2, "woodcock": 128}, [1.0, *args.spike]
     ways = [(variant, integrator) for variant in VARIANTS for integrator in INTEGRATORS]
     if args.way:
@@ -277,21 +277,23 @@ def spike(args, peers):
     scenes = {factor: spiked(args, factor) for factor in factors}
     times = {factor: ([], []) for factor in factors}
     means = {factor: ([], []) for factor in factors}
-    for seed in range(rounds):
-        for factor in factors:
+    for factor in factors:
+        # Mitsuba takes longer to make a scene ready than to render it: its renderings of one scene follow one another.
+        for seed in range(rounds):
             image, took = peers[variant].render("cloud", integrator, 50, spp["mitsuba"], seed, size, factor)
             times[factor][0].append(took)
             means[factor][0].append(image.mean())
             mean, _, took, _ = woodcock(args, scenes[factor], spp["woodcock"], seed, size)
             times[factor][1].append(took)
             means[factor][1].append(mean.mean())
-    print(f"{variant} {integrator}, {size} x {size} pixels; CPU ns a path, medians of {rounds}\n")
+    print(f"{variant} {integrator}, {size} x {size} pixels, {spp['mitsuba']} and {spp['woodcock']} samples; CPU ns a path, medians of {rounds}\n")
     print("| spike | Mitsuba | over none | woodcock | over none | mean of the image: Mitsuba | woodcock |\n|---|---|---|---|---|---|---|")
     for factor in factors:
         cells = []
         for which, renderer in enumerate(spp):
-            ratio = np.median([a / b for a, b in zip(times[factor][which], times[1.0][which])])
-            cells.append(f"{np.median(times[factor][which]) * 1e9 / spp[renderer] / size**2:.0f} | {ratio:.2f}")
+            median = np.median(times[factor][which])
+            over = median / np.median(times[1.0][which])
+            cells.append(f"{median * 1e9 / spp[renderer] / size**2:.0f} | {over:.2f}")
         cells += [f"{np.mean(m):.3f} +- {np.std(m, ddof=1) / rounds**0.5:.3f}" for m in means[factor]]
         print(f"| {factor:g} | {' | '.join(cells)} |", flush=True)
 
