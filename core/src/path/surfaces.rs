@@ -131,6 +131,11 @@ pub const NO_PLANE: u32 = u32::MAX;
 /// * `plane`: the number of a box that counts for nothing, [`NO_PLANE`] where all count.
 #[inline(always)]
 pub fn clearance<R: Real>(enclosures: &[Enclosure], ray: &Ray<R>, plane: R::Word) -> R {
+    clearance_by(SLACK, enclosures, ray, plane)
+}
+
+#[inline(always)]
+fn clearance_by<R: Real>(grown: f32, enclosures: &[Enclosure], ray: &Ray<R>, plane: R::Word) -> R {
     let size = ray.origin.map(R::abs).sum();
     let mut near = R::splat(FAR);
     for (number, Enclosure { low, high }) in (0..).zip(enclosures) {
@@ -138,7 +143,7 @@ pub fn clearance<R: Real>(enclosures: &[Enclosure], ray: &Ray<R>, plane: R::Word
             .iter()
             .chain(high)
             .fold(0.0_f32, |reach, x| reach + x.abs());
-        let slack = (size + R::splat(reach)) * R::splat(SLACK);
+        let slack = (size + R::splat(reach)) * R::splat(grown);
         let slack = Vec3::new(slack, slack, slack);
         let corner = Vec3::splat(*low) - slack;
         let extent = Vec3::splat(*high) + slack - corner;
@@ -150,4 +155,91 @@ pub fn clearance<R: Real>(enclosures: &[Enclosure], ray: &Ray<R>, plane: R::Word
         near = R::select(met, near.min(within.t0), near);
     }
     near
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::real::Word32;
+    use crate::stream::{Key, PathStream, Stream};
+
+    /// Where a ray enters a box, in double precision.
+    fn enters(ray: &Ray<f32>, enclosure: &Enclosure) -> Option<f64> {
+        let (origin, direction) = (ray.origin.lane(0), ray.direction.lane(0));
+        let (mut t0, mut t1) = (0.0_f64, f64::INFINITY);
+        for axis in 0..3 {
+            let [o, d] = [origin[axis], direction[axis]].map(f64::from);
+            let [low, high] = [enclosure.low[axis], enclosure.high[axis]].map(f64::from);
+            if d == 0.0 {
+                if !(low..=high).contains(&o) {
+                    return None;
+                }
+                continue;
+            }
+            let (a, b) = ((low - o) / d, (high - o) / d);
+            (t0, t1) = (t0.max(a.min(b)), t1.min(a.max(b)));
+        }
+        (t0 <= t1).then_some(t0)
+    }
+
+    /// Rays that touch corners, edges and flat boxes: in how many a box is found too late, if boxes are grown by so much.
+    fn late(grown: f32) -> u32 {
+        let mut rng = PathStream::new(Key::default());
+        let mut number = || Stream::<f32>::uniform(&mut rng, true);
+        let mut late = 0;
+        let mut met = 0;
+        for round in 0..40_000_u32 {
+            let scale = [1e-3, 1.0, 30.0, 1e4][(round % 4) as usize];
+            let mut point = |by: f32| [number(), number(), number()].map(|x| (x - 0.5) * by);
+            let (origin, low, size, mut at) = (point(scale), point(2.0), point(2.0), point(2.0));
+            let mut size = size.map(|x| x + 1.0);
+            size[1] *= f32::from(u8::from(round % 3 > 0));
+            let high = [0, 1, 2].map(|i| low[i] + size[i]);
+            let enclosure = Enclosure { low, high };
+            for i in 0..3 {
+                // In its middle, or on a face.
+                at[i] = low[i] + size[i] * (at[i] * 0.5 + 0.5).clamp(0.0, 1.0);
+                if round >> i & 4 == 4 {
+                    at[i] = high[i];
+                }
+            }
+            let origin = Vec3::splat(origin);
+            let ray = Ray {
+                origin,
+                direction: (Vec3::splat(at) - origin).normalised(),
+            };
+            let near = clearance_by(grown, &[enclosure], &ray, Word32(NO_PLANE));
+            if let Some(t) = enters(&ray, &enclosure) {
+                met += 1;
+                late += u32::from(f64::from(near) > t);
+            }
+            assert_eq!(clearance(&[enclosure], &ray, Word32(0)), FAR);
+        }
+        assert!(met > 10_000, "{met}");
+        late
+    }
+
+    #[test]
+    fn no_box_is_found_too_late() {
+        assert_eq!(late(SLACK), 0);
+        assert!(late(0.0) > 100, "rounding alone would not show");
+    }
+
+    #[test]
+    fn rays_beside_boxes_are_free() {
+        let ball = Enclosure {
+            low: [-1.0; 3],
+            high: [1.0; 3],
+        };
+        let along = |origin: [f32; 3]| Ray::<f32> {
+            origin: Vec3::splat(origin),
+            direction: Vec3::splat([0.0, 0.0, 1.0]),
+        };
+        let near = |origin| clearance(&[ball], &along(origin), Word32(NO_PLANE));
+        assert_eq!(near([1.1, 0.0, -3.0]), FAR);
+        assert_eq!(near([0.0, 0.0, 1.1]), FAR);
+        assert_eq!(near([0.0; 3]), 0.0);
+        let before = near([0.0, 0.0, -3.0]);
+        assert!((1.9999..2.0).contains(&before), "{before}");
+    }
 }

@@ -355,3 +355,39 @@ impl Group {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn joined_boxes_hold_what_the_others_held() {
+        let unit = |at: DVec3| [at, at + DVec3::ONE];
+        let near = [DVec3::ZERO, DVec3::X * 2.0, DVec3::Y * 50.0];
+        let three: Vec<_> = near.map(unit).into();
+        assert_eq!(join(three.clone(), 3), three);
+        let two = join(three, 2);
+        assert_eq!(
+            two,
+            [[DVec3::ZERO, DVec3::new(3.0, 1.0, 1.0)], unit(near[2])]
+        );
+        let many: Vec<_> = (0..1000)
+            .map(|i| {
+                unit(DVec3::new(
+                    f64::from(i * 7 % 13),
+                    f64::from(i),
+                    f64::from(i % 5),
+                ))
+            })
+            .collect();
+        let few = join(many.clone(), 6);
+        assert_eq!(few.len(), 6);
+        let holds = |inner: &[DVec3; 2]| {
+            few.iter()
+                .any(|outer| outer[0].cmple(inner[0]).all() && inner[1].cmple(outer[1]).all())
+        };
+        assert!(many.iter().all(holds));
+        assert!(!holds(&unit(DVec3::new(0.0, 1001.0, 0.0))));
+        assert!(join(Vec::new(), 6).is_empty());
+    }
+}

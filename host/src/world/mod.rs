@@ -8,6 +8,7 @@ mod gains;
 mod locate;
 mod medium;
 mod needs;
+mod queue;
 mod shape;
 mod storage;
 mod work;
@@ -43,6 +44,8 @@ use crate::scene::{
 use crate::volume::Limits;
 use locate::locate;
 use medium::Surroundings;
+pub(crate) use queue::Plane;
+use queue::{ENCLOSURES, planes, queued};
 
 /// Where media lie.
 #[derive(Debug)]
@@ -366,49 +369,6 @@ pub fn assemble(scene: &Scene, files: &dyn Files, options: &Options) -> Result<W
         enclosures,
         planes,
     })
-}
-
-/// A plane across an axis, in which all lies that one of the boxes around surfaces holds.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Plane {
-    /// 0, 1 or 2.
-    pub(crate) axis: usize,
-    /// Where \[length\].
-    pub(crate) level: f64,
-    /// Which box.
-    pub(crate) number: u32,
-}
-
-fn planes(enclosures: &[[DVec3; 2]]) -> Vec<Plane> {
-    let flat = |(number, [low, high]): (u32, &[DVec3; 2])| {
-        let axis = (0..3).find(|&axis| low[axis] == high[axis])?;
-        Some(Plane {
-            axis,
-            level: low[axis],
-            number,
-        })
-    };
-    (0..).zip(enclosures).filter_map(flat).collect()
-}
-
-/// Boxes that packets compare with each ray.
-const ENCLOSURES: usize = 6;
-
-/// Whether surfaces can wait in a queue while packets track the media among them, or why not.
-fn queued(media: &[Medium], surfaces: &Surfaces, needs: &Needs) -> Result<(), &'static str> {
-    if media.is_empty() {
-        return Err("no medium to be seen");
-    }
-    if surfaces.emitters() > 0 {
-        return Err("surfaces shine");
-    }
-    if needs.runs(Feature::Emission) {
-        return Err("a medium shines");
-    }
-    if needs.needs_scalars_but_for_surfaces() {
-        return Err("lights or media are more than packets render");
-    }
-    Ok(())
 }
 
 /// The tables of a scene that is a room, and the row that says whether it is one.
