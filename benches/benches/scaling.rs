@@ -6,7 +6,7 @@
 //!
 //! One factor at a time, from a ball of smoke under sun and sky on 128³ voxels, eight mean free paths across, of albedo 0.9.
 //! Grids are made on the spot: `grid` is that ball, most of its box empty, `full` a haze without an empty voxel. `--huge` adds
-//! those of 1024³ voxels; making them takes up to 20 GB, as the numbers pass through a file in memory. Threads each render their own samples of one
+//! those of 1024³ voxels; making them takes 17 GB, as the numbers pass through a file in memory. Threads each render their own samples of one
 //! world; where other programs run, only their CPU time per path says something.
 #![forbid(unsafe_code)]
 

@@ -13,7 +13,7 @@ const MEASURED: &[(Feature, &str, f64, f64)] = &[
     (Feature::Surfaces, "cloud", 8.13, 15.97),
     (Feature::EquiAngular, "cloud", 8.08, 14.53),
     (Feature::FaintShadowRays, "cloud", 2.10, 2.04),
-    (Feature::SingleEstimates, "cloud", 0.97, 1.17),
+    (Feature::SingleEstimates, "cloud", 0.96, 1.15),
     (Feature::IndependentSamples, "cloud", 1.00, 1.11),
     (Feature::DenseGrid, "cloud", 1.14, 1.13),
     (Feature::Tracking, "fog", 0.95, 3.91),
