@@ -1,5 +1,5 @@
-//! Surfaces among media in packets, met through a queue: the pictures of the scalar path tracer and of bidirectional paths, the bits of
-//! scalar code, furnaces, and what is left to scalar code.
+//! Surfaces among media in packets, met through a queue: the pictures of the scalar path tracer, the bits of scalar code,
+//! furnaces, and what is left to scalar code.
 
 use woodcock_host::film::Film;
 use woodcock_host::integrator::Integrator;
