@@ -201,6 +201,8 @@ pub fn each(visit: &mut dyn FnMut(&str, &dyn Traced)) {
     let pinhole = camera(Projection::Perspective, 0.0);
     let lens = camera(Projection::Perspective, 0.2);
     let parallel = camera(Projection::Orthographic, 0.0);
+    let mut aside = parallel;
+    aside.camera_to_world[0][3] = 0.7;
     let settings = Settings::default();
     let by_delta = Settings {
         shadow: ShadowEstimator::Delta,
@@ -287,6 +289,19 @@ pub fn each(visit: &mut dyn FnMut(&str, &dyn Traced)) {
         "cloud at noon, known to be alone",
         &Needing::<_, _, false, false>(&scene),
     );
+    // Whose edges many rays miss.
+    let scene = Scene {
+        camera: &aside,
+        ..scene
+    };
+    visit(
+        "cloud alone, seen from aside",
+        &Needing::<_, _, false, false>(&scene),
+    );
+    let scene = Scene {
+        camera: &pinhole,
+        ..scene
+    };
     let scene = Scene {
         settings: bright,
         ..scene

@@ -258,7 +258,9 @@ where
         self.pdf.set_lane(lane, CERTAIN);
         self.shadow.set_lane(lane, false);
         self.alpha.set_lane(lane, 0.0);
-        self.cursor.set_lane(lane, 0);
+        // A ray that misses a medium that is alone has passed it.
+        let passed = alone && !first.found;
+        self.cursor.set_lane(lane, u32::from(passed));
         self.limit.set_lane(lane, FAR);
         self.counts.paths += 1;
         self.stages[Stage::Enter as usize].set_lane(lane, true);

@@ -129,7 +129,7 @@ fn whole_paths_have_the_bits_of_scalar_ones() {
         equal(name, scene);
         compared += 1;
     });
-    assert_eq!(compared, 12);
+    assert_eq!(compared, 13);
 }
 
 /// The comparison can fail: another key is another path.

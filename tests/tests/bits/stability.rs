@@ -170,6 +170,7 @@ fn whole_paths_are_pinned() {
             "cloud at noon, known to be alone",
             13_016_388_093_732_081_442,
         ),
+        ("cloud alone, seen from aside", 4_167_364_033_300_501_658),
         (
             "cloud alone, bright shadow rays estimated several times",
             11_586_889_550_828_090_531,
