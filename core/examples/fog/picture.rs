@@ -3,7 +3,7 @@
 use woodcock_core::collision::roulette;
 use woodcock_core::free_flight::delta;
 use woodcock_core::majorant::{MajorantGrid, fill_majorants};
-use woodcock_core::medium::{Grid, Within};
+use woodcock_core::medium::Grid;
 use woodcock_core::phase::henyey_greenstein;
 use woodcock_core::ray::Ray;
 use woodcock_core::stream::{Key, PathStream, Stream};
@@ -20,33 +20,32 @@ fn extinction(x: f32, y: f32, z: f32) -> f32 {
     (hill(-0.9, 0.9).max(hill(0.7, 1.6)) * 8.0).clamp(0.0, 4.0)
 }
 
-/// What a ray sees: the sky, the ground, and fog that scatters their light and the sun's.
-fn radiance(fog: &Within<Grid<'_>>, mut ray: Ray<f32>, rng: &mut PathStream) -> f32 {
-    let (mut found, mut throughput) = (0.0, 1.0);
+/// The part of a ray in the fog, and its length, which is not positive where there is none.
+fn part(fog: &Grid<'_>, origin: Vec3<f32>, direction: Vec3<f32>) -> (Ray<f32>, f32) {
+    let ray = Ray { origin, direction };
+    let inside = fog.clip(&ray);
+    let origin = ray.at(inside.t0);
+    (Ray { origin, direction }, inside.t1 - inside.t0)
+}
+
+/// What is seen along a ray: the sky, the ground, and fog that scatters their light and the sun's.
+fn radiance(fog: &Grid<'_>, origin: Vec3<f32>, towards: Vec3<f32>, rng: &mut PathStream) -> f32 {
+    let (mut found, mut throughput, mut origin, mut direction) = (0.0, 1.0, origin, towards);
     while throughput > 0.0 {
-        let flight = delta::sample(fog, &ray, f32::INFINITY, rng, true);
+        let (ray, length) = part(fog, origin, direction);
+        let flight = delta::sample(fog, &ray, length, rng, true);
         if !flight.collided {
-            let sky = if ray.direction.y < 0.0 { 0.2 } else { 0.5 };
-            return found + throughput * sky;
+            return found + throughput * if direction.y < 0.0 { 0.2 } else { 0.5 };
         }
-        let (origin, sun) = (ray.at(flight.t), Vec3::splat(TO_SUN));
-        let towards = henyey_greenstein::eval(ray.direction.dot(sun), G);
-        let seen = ratio::estimate(
-            fog,
-            &Ray {
-                origin,
-                direction: sun,
-            },
-            f32::INFINITY,
-            rng,
-            true,
-        );
+        origin = ray.at(flight.t);
+        let (to_sun, length) = part(fog, origin, Vec3::splat(TO_SUN));
+        let seen = ratio::estimate(fog, &to_sun, length, rng, true);
         throughput *= 0.95; // the albedo
-        found += throughput * 2.0 * seen * towards;
+        let cos_theta = direction.dot(to_sun.direction);
+        found += throughput * 2.0 * seen * henyey_greenstein::eval(cos_theta, G);
         throughput *= roulette(throughput, 0.5, rng, true);
         let cos_theta = henyey_greenstein::sample(rng.uniform(true), G);
-        let direction = ray.direction.deflected(cos_theta, rng.uniform(true));
-        ray = Ray { origin, direction };
+        direction = direction.deflected(cos_theta, rng.uniform(true));
     }
     found
 }
@@ -56,7 +55,8 @@ pub(crate) fn render<const W: usize, const H: usize>(
     image: &mut [[f32; W]; H],
     paths: u32,
 ) -> Option<()> {
-    let (mut samples, mut majorants) = ([0.0; 17 * 9 * 9], [0.0; 4 * 3 * 3]);
+    let mut samples = [0.0; 17 * 9 * 9];
+    let mut majorants = [0.0; 4 * 3 * 3];
     for (i, sample) in samples.iter_mut().enumerate() {
         let [x, y, z] = [i % 17, i / 17 % 9, i / 153].map(|n| n as f32 * 0.25);
         *sample = extinction(x - 2.0, y, z - 1.0);
@@ -68,7 +68,7 @@ pub(crate) fn render<const W: usize, const H: usize>(
         [0.0, 4.0, 0.0, 0.0],
         [0.0, 0.0, 4.0, 4.0],
     ];
-    let fog = Within::domain(Grid::new(bounds, to_grid, 1.0)?);
+    let fog = Grid::new(bounds, to_grid, 1.0)?;
     for (i, pixel) in image.as_flattened_mut().iter_mut().enumerate() {
         let mut sum = 0.0;
         for sample in 0..paths {
@@ -82,7 +82,7 @@ pub(crate) fn render<const W: usize, const H: usize>(
             let y = 0.3 - 0.6 * ((i / W) as f32 + dy) / H as f32;
             let origin = Vec3::splat([0.0, 0.7, -6.0]);
             let direction = Vec3::new(x, y + 0.08, 1.2).normalised();
-            sum += radiance(&fog, Ray { origin, direction }, &mut rng);
+            sum += radiance(&fog, origin, direction, &mut rng);
         }
         *pixel = sum / paths as f32;
     }

@@ -4,26 +4,25 @@
 //! blocks, each with random numbers of its own. The body is generic over the number of lanes, so that scalar
 //! code and packets fill the same table; firmware, WebAssembly and tests include this file as it stands.
 
-use woodcock_core::free_flight::{Flight, analytic, decomposition, delta};
-use woodcock_core::majorant::{MajorantGrid, fill_control_slab, fill_leaps, fill_slab};
+use woodcock_core::free_flight::{analytic, delta};
+use woodcock_core::majorant::{MajorantGrid, fill_leaps, fill_slab};
 use woodcock_core::medium::{Exponential, Grid, Homogeneous};
-use woodcock_core::phase::{draine, henyey_greenstein, isotropic, rayleigh};
+use woodcock_core::phase::{draine, henyey_greenstein, rayleigh};
 use woodcock_core::ray::Ray;
 use woodcock_core::real::{Mask, Real};
 use woodcock_core::stream::{Key, KeyedStream};
-use woodcock_core::transmittance::residual_ratio::Mean;
-use woodcock_core::transmittance::{self, comb, ratio, residual_ratio};
+use woodcock_core::transmittance::{self, ratio};
 use woodcock_core::vec3::Vec3;
 
 /// How many rows there are.
 pub(crate) const ROWS: usize = 10_000;
 /// The [hash] of the table.
-pub(crate) const HASH: u64 = 0x8f1e_e3bc_7877_31ac;
+pub(crate) const HASH: u64 = 0xcb9f_295d_b90d_d8b5;
 
 /// Rows of a kind that follow each other: a multiple of the lanes of any packet, and a divisor of [`ROWS`].
 pub(crate) const RUN: usize = 16;
 /// Kinds of rows, in turn.
-pub(crate) const KINDS: usize = 11;
+pub(crate) const KINDS: usize = 8;
 const DIMS: [u32; 3] = [17, 9, 9];
 const EDGE: u32 = 4;
 /// Entries in a slab of a table over the blocks, rim included, and slabs.
@@ -34,49 +33,38 @@ const SLABS: usize = 4;
 struct Memory {
     samples: [f32; 17 * 9 * 9],
     majorants: [f32; SLAB * SLABS],
-    minorants: [f32; SLAB * SLABS],
-    means: [f32; SLAB * SLABS],
 }
 
 impl Memory {
-    /// Noise in [0, 1) beyond a few empty blocks.
-    fn filled() -> Option<Self> {
-        let mut memory = Self {
-            samples: [0.0; _],
-            majorants: [0.0; _],
-            minorants: [0.0; _],
-            means: [0.0; _],
-        };
-        for (i, sample) in memory.samples.iter_mut().enumerate() {
-            let word = Key {
+    const EMPTY: Self = Self {
+        samples: [0.0; _],
+        majorants: [0.0; _],
+    };
+
+    /// Noise in [0, 1) beyond a few empty blocks, in place: firmware has no room for two of it.
+    fn fill(&mut self) -> Option<()> {
+        for (i, sample) in self.samples.iter_mut().enumerate() {
+            let key = Key {
                 seed: 0,
                 pixel: 0,
                 sample: i as u32,
-            }
-            .hash()
-                >> 40;
+            };
             *sample = if i % 17 < 9 {
                 0.0
             } else {
-                word as f32 / 16_777_216.0
+                (key.hash() >> 40) as f32 / 16_777_216.0
             };
         }
-        let samples = &memory.samples;
-        let slabs = memory.majorants.chunks_exact_mut(SLAB);
-        let lower = memory.minorants.chunks_exact_mut(SLAB);
-        let means = memory.means.chunks_exact_mut(SLAB);
-        for (slab, ((majorants, minorants), means)) in slabs.zip(lower).zip(means).enumerate() {
-            fill_slab(samples, DIMS, EDGE, slab, majorants).ok()?;
-            fill_control_slab(samples, DIMS, EDGE, slab, [minorants, means]).ok()?;
+        let slabs = self.majorants.chunks_exact_mut(SLAB);
+        for (slab, entries) in slabs.enumerate() {
+            fill_slab(&self.samples, DIMS, EDGE, slab, entries).ok()?;
         }
-        fill_leaps(&mut memory.majorants, [4, 2, 2]).ok()?;
-        Some(memory)
+        fill_leaps(&mut self.majorants, [4, 2, 2]).ok()
     }
 
     /// The grid, a voxel being a quarter of a unit of length.
     fn grid(&self) -> Option<Grid<'_>> {
         let bounds = MajorantGrid::with_edge(&self.samples, DIMS, EDGE, &self.majorants).ok()?;
-        let bounds = bounds.with_controls(&self.minorants, &self.means).ok()?;
         let world_to_grid = [
             [4.0, 0.0, 0.0, 0.0],
             [0.0, 4.0, 0.0, 0.0],
@@ -93,24 +81,6 @@ struct Media<'a> {
     grid: Grid<'a>,
 }
 
-/// A direction, and its density.
-fn scattered<R: Real>(ray: &Ray<R>, cos_theta: R, turn: R, density: R) -> [R; 4] {
-    let Vec3 { x, y, z } = ray.direction.deflected(cos_theta, turn);
-    [x, y, z, density]
-}
-
-/// A flight, and where it began.
-fn flown<R: Real>(flight: Flight<R>, ray: &Ray<R>) -> [R; 4] {
-    let Vec3 { x, y, z } = ray.origin;
-    [flight.or_infinite(), x, y, z]
-}
-
-/// A weight, and the ray's direction.
-fn weighed<R: Real>(weight: R, ray: &Ray<R>) -> [R; 4] {
-    let Vec3 { x, y, z } = ray.direction;
-    [weight, x, y, z]
-}
-
 /// Rows of one kind, one a lane.
 fn rows<R: Real>(media: &Media<'_>, kind: usize, rng: &mut impl KeyedStream<R>) -> [R; 4] {
     let all = R::Mask::splat(true);
@@ -120,52 +90,50 @@ fn rows<R: Real>(media: &Media<'_>, kind: usize, rng: &mut impl KeyedStream<R>) 
         Vec3::new(x, y, z)
     };
     let (origin, end) = (anywhere(), anywhere());
-    let length = (end - origin).dot(end - origin).sqrt();
+    let t = (end - origin).dot(end - origin).sqrt();
     let up = Vec3::splat([0.0, 0.0, 1.0]);
-    let toss = up.deflected(isotropic::sample(rng.uniform(all)), rng.uniform(all));
-    let short = length.lt(R::splat(1e-3));
-    let direction = Vec3::select(short, toss, (end - origin) * (R::one() / length));
-    let (ray, t) = (
-        Ray { origin, direction },
-        length.or_zero(all.and_not(short)),
-    );
+    let direction = (end - origin) * (R::one() / t);
+    let direction = Vec3::select(t.lt(R::splat(1e-3)), up, direction);
+    let ray = Ray { origin, direction };
     let Media { fog, air, grid } = media;
-    let g = rng.uniform(all) * R::splat(1.9) - R::splat(0.95);
+    // Where the ray begins and what becomes of it …
+    let with = |found: R| [found, origin.x, origin.y, origin.z];
     match kind {
-        0 => flown(analytic::sample(fog, &ray, t, rng, all), &ray),
-        1 => flown(analytic::sample(air, &ray, t, rng, all), &ray),
-        2 => flown(delta::sample(grid, &ray, t, rng, all), &ray),
-        3 => flown(decomposition::sample(grid, &ray, t, rng, all), &ray),
-        4 => weighed(transmittance::analytic::estimate(air, &ray, t), &ray),
-        5 => weighed(ratio::estimate(grid, &ray, t, rng, all), &ray),
-        6 => weighed(
-            residual_ratio::estimate::<Mean, R, _>(grid, &ray, t, rng, all),
-            &ray,
-        ),
-        7 => weighed(comb::estimate(grid, &ray, t, 4, rng, all), &ray),
-        8 => {
-            let cos_theta = henyey_greenstein::sample(rng.uniform(all), g);
-            let density = henyey_greenstein::eval(cos_theta, g);
-            scattered(&ray, cos_theta, rng.uniform(all), density)
+        0 => return with(analytic::sample(fog, &ray, t, rng, all).or_infinite()),
+        1 => return with(analytic::sample(air, &ray, t, rng, all).or_infinite()),
+        2 => return with(delta::sample(grid, &ray, t, rng, all).or_infinite()),
+        3 => return with(transmittance::analytic::estimate(air, &ray, t)),
+        4 => return with(ratio::estimate(grid, &ray, t, rng, all)),
+        _ => {}
+    }
+    // … or the density of a new direction, and the direction.
+    let (u, turn) = (rng.uniform(all), rng.uniform(all));
+    let g = rng.uniform(all) * R::splat(1.9) - R::splat(0.95);
+    let (cos_theta, density) = match kind {
+        5 => {
+            let cos_theta = henyey_greenstein::sample(u, g);
+            (cos_theta, henyey_greenstein::eval(cos_theta, g))
         }
-        9 => {
-            let cos_theta = rayleigh::sample(rng.uniform(all));
-            scattered(&ray, cos_theta, rng.uniform(all), rayleigh::eval(cos_theta))
+        6 => {
+            let cos_theta = rayleigh::sample(u);
+            (cos_theta, rayleigh::eval(cos_theta))
         }
         _ => {
-            let cos_theta = draine::sample(rng.uniform(all), g, R::one());
-            let density = draine::eval(cos_theta, g, R::one());
-            scattered(&ray, cos_theta, rng.uniform(all), density)
+            let cos_theta = draine::sample(u, g, R::one());
+            (cos_theta, draine::eval(cos_theta, g, R::one()))
         }
-    }
+    };
+    let Vec3 { x, y, z } = direction.deflected(cos_theta, turn);
+    [density, x, y, z]
 }
 
-/// Fills the table and calls `visit` with each row: what was found, and from where or whereto.
+/// Fills the table and calls `visit` with each row: a flight, a weight or a density, and where from or whereto.
 ///
 /// Nothing where the core refuses the table's own media.
 #[inline(never)]
 pub(crate) fn fill<R: Real, S: KeyedStream<R>>(mut visit: impl FnMut([f32; 4])) -> Option<()> {
-    let memory = Memory::filled()?;
+    let mut memory = Memory::EMPTY;
+    memory.fill()?;
     let media = Media {
         fog: Homogeneous::new(0.7).ok()?,
         air: Exponential::new(1.5, [0.3, -0.2, 0.8]).ok()?,
