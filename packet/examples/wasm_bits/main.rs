@@ -12,6 +12,8 @@ use woodcock_packet::bits::LaneStream;
 use woodcock_packet::both::{Both, Wide};
 use woodcock_packet::lanes::Lanes;
 
+#[cfg(target_family = "wasm")]
+mod bare;
 #[allow(dead_code, reason = "the rows one by one are for others")]
 #[path = "../../../core/examples/same_bits/table.rs"]
 mod table;
@@ -38,28 +40,4 @@ pub extern "C" fn eight_lanes() -> u64 {
 #[unsafe(no_mangle)]
 pub extern "C" fn sixteen_lanes() -> u64 {
     table::hash::<Wide, Both<LaneStream>>()
-}
-
-#[cfg(target_family = "wasm")]
-mod bare {
-    use core::alloc::{GlobalAlloc, Layout};
-
-    /// Nothing here allocates; but a crate that could is linked, and asks for somebody who would.
-    struct Nothing;
-
-    // SAFETY: a null pointer says that there is no memory, and nothing is ever given back.
-    unsafe impl GlobalAlloc for Nothing {
-        unsafe fn alloc(&self, _: Layout) -> *mut u8 {
-            core::ptr::null_mut()
-        }
-        unsafe fn dealloc(&self, _: *mut u8, _: Layout) {}
-    }
-
-    #[global_allocator]
-    static NOTHING: Nothing = Nothing;
-
-    #[panic_handler]
-    fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
-        core::arch::wasm32::unreachable()
-    }
 }
