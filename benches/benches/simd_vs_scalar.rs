@@ -293,7 +293,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     if count.is_none() {
         let (samples, rounds, coarser) = if quick() { (1, 1, 4) } else { (8, 7, 1) };
-        for name in ["cloud", "fog", "smoke", "absorption"] {
+        for name in ["cloud", "ground", "fog", "smoke", "absorption"] {
             let scene =
                 Yardstick::named(name, coarser).filter(|_| selected(&format!("picture/{name}")));
             if let Some(scene) = scene {

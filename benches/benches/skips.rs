@@ -16,7 +16,7 @@ use woodcock_benches::{quick, selected};
 use woodcock_host::render::Kernel;
 use woodcock_host::world::Feature;
 
-const SCENES: [&str; 5] = ["cloud", "fog", "smoke", "absorption", "fire"];
+const SCENES: [&str; 6] = ["cloud", "ground", "fog", "smoke", "absorption", "fire"];
 
 fn main() -> Result<(), Box<dyn Error>> {
     let (samples, rounds, coarser, edge) = if quick() {

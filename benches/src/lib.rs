@@ -4,12 +4,15 @@
 
 pub mod agreement;
 pub mod analog;
+pub mod choice;
 pub mod measure;
 pub mod noise;
+pub mod passing;
 pub mod picture;
 pub mod plot;
 pub mod profile;
 pub mod relative;
+pub mod shadow;
 pub mod vdb;
 pub mod yardstick;
 

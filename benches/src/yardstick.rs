@@ -3,13 +3,14 @@
 //! | name | what it is |
 //! |---|---|
 //! | `cloud` | 256³ voxels, 86 % of them empty, up to 40 mean free paths a unit, strongly forward, sun and sky |
+//! | `ground` | the same cloud above a ground |
 //! | `fog` | a ball of homogeneous fog under a constant sky |
 //! | `smoke` | 128³ voxels whose extinction differs fourfold between colours |
 //! | `absorption` | 128³ voxels that only absorb, before a constant sky |
 //! | `fire` | 48 × 96 × 48 voxels that shine as black bodies do, and scatter a little |
 //! | `box-fog` | a room full of fog with a lamp in it |
 //!
-//! All but the last are also plain numbers ([`Yardstick`]), for whoever brings a tracker of their own.
+//! All but the last and `ground` are also plain numbers ([`Yardstick`]), for whoever brings a tracker of their own.
 
 use std::fmt::Write as _;
 
@@ -19,6 +20,11 @@ use crate::noise::{Ball, fractal};
 pub const RESOLUTION: usize = 128;
 /// Names of all scenes.
 pub const NAMES: [&str; 6] = ["cloud", "fog", "smoke", "absorption", "fire", "box-fog"];
+
+/// What the cloud of `ground` is above.
+const GROUND: &str = "AttributeBegin\nMaterial \"diffuse\" \"rgb reflectance\" [ 0.4 0.35 0.3 ]\n\
+    Shape \"trianglemesh\" \"point3 P\" [ -6 -0.6 -6 6 -0.6 -6 6 -0.6 6 -6 -0.6 6 ]\n    \
+    \"integer indices\" [ 0 2 1 0 3 2 ]\nAttributeEnd\n";
 
 /// A room full of fog, whose surfaces are beyond plain numbers.
 pub const BOX_FOG: &str = include_str!("../../tests/peers/scenes/box-fog.pbrt");
@@ -69,6 +75,8 @@ pub struct Yardstick {
     pub sky: [f32; 3],
     /// Factor on the radiance of black bodies of spectra that are one at their peaks.
     pub glow: f32,
+    /// Surfaces in pbrt's language, beyond plain numbers.
+    pub surfaces: &'static str,
 }
 
 impl Yardstick {
@@ -76,6 +84,7 @@ impl Yardstick {
     pub fn named(name: &str, coarser: usize) -> Option<Self> {
         match name {
             "cloud" => Some(Self::cloud(256 / coarser)),
+            "ground" => Some(Self::ground(256 / coarser)),
             "fog" => Some(Self::fog()),
             "smoke" => Some(Self::smoke(128 / coarser)),
             "absorption" => Some(Self::absorption(128 / coarser)),
@@ -116,6 +125,18 @@ impl Yardstick {
             sun: Some(([-0.6, 0.7, -0.5], [5.0, 4.6, 4.0])),
             sky: [0.25, 0.4, 0.7],
             glow: 0.0,
+            surfaces: "",
+        }
+    }
+
+    /// The cloud above a ground.
+    pub fn ground(side: usize) -> Self {
+        Self {
+            name: "ground",
+            eye: [0.3, 0.4, -2.6],
+            fov: 34.0,
+            surfaces: GROUND,
+            ..Self::cloud(side)
         }
     }
 
@@ -132,6 +153,7 @@ impl Yardstick {
             sun: None,
             sky: [0.8, 0.9, 1.0],
             glow: 0.0,
+            surfaces: "",
         }
     }
 
@@ -150,6 +172,7 @@ impl Yardstick {
             sun: None,
             sky: [0.8, 0.9, 1.0],
             glow: 0.0,
+            surfaces: "",
         }
     }
 
@@ -197,6 +220,7 @@ impl Yardstick {
             sun: None,
             sky: [0.02, 0.03, 0.05],
             glow: 1500.0,
+            surfaces: "",
         }
     }
 
@@ -297,7 +321,7 @@ impl Yardstick {
         };
         text + &format!(
             "AttributeBegin\nMaterial \"interface\"\nMediumInterface \"{name}\" \"\"\n{shape}AttributeEnd\n"
-        )
+        ) + self.surfaces
     }
 
     /// Name and bytes of the volume that the scene's text asks for: Mitsuba's format, single precision.

@@ -2,26 +2,29 @@
 
 use woodcock_core::medium::Controlled;
 use woodcock_core::path::{
-    Atlas, Counts, Geometry, MediumRecord, OneHomogeneous, PathSample, RecordKind, Scene, Shining,
-    Tapped,
+    Atlas, Counts, Geometry, MediumRecord, NoSurfaces, OneHomogeneous, PathSample, RecordKind,
+    Scene, Shining, Surfaces, Tapped,
 };
 use woodcock_packet::both::Wide;
 use woodcock_packet::lanes::Lanes;
 use woodcock_packet::trace::{self, PathRequest};
 
+use crate::integrator::surface_queue::SurfaceQueue;
 use crate::render::{Kernel, Plan, Requests};
 use crate::world::{Feature, Location, World};
 
 /// Something to be done with the kernel of a world: Rust has no generic closures.
 trait Job {
     type Output;
-    fn run<M, G, const CHROMATIC: bool, const RAYLEIGH: bool>(
+    fn run<M, G, H, const CHROMATIC: bool, const RAYLEIGH: bool>(
         self,
         scene: &Scene<'_, M, G>,
+        surfaces: H,
     ) -> Self::Output
     where
         M: AnyMedium,
-        G: Geometry<f32> + Geometry<Lanes> + Geometry<Wide> + Sync + ?Sized;
+        G: Geometry<f32> + Geometry<Lanes> + Geometry<Wide> + Sync + ?Sized,
+        H: Surfaces;
 }
 
 /// A medium for both widths.
@@ -70,6 +73,8 @@ fn kind(world: &World) -> Kind {
         [_] if world.source.is_some() => Kind::Grid,
         _ if world.needs.runs(Feature::SeveralMedia) => Kind::Several,
         [medium] => match medium.record.kind {
+            // Among surfaces there are fewer kernels.
+            RecordKind::Homogeneous if world.needs.runs(Feature::SurfaceQueue) => Kind::Several,
             RecordKind::Homogeneous if !world.needs.runs(Feature::Tracking) => Kind::Homogeneous,
             RecordKind::Homogeneous => Kind::Several,
             RecordKind::Grid { .. } => Kind::Grid,
@@ -99,7 +104,12 @@ pub fn kernel_name(world: &World, kernel: Kernel) -> String {
     } else {
         "grey"
     };
-    format!("{}: {medium}, {colour}", kernel.name())
+    let queue = if world.needs.runs(Feature::SurfaceQueue) {
+        ", surfaces by a queue"
+    } else {
+        ""
+    };
+    format!("{}: {medium}, {colour}{queue}", kernel.name())
 }
 
 /// Runs a job with the kernel of a world.
@@ -135,6 +145,15 @@ fn with_kernel<J: Job>(world: &World, plan: &Plan, colour: Option<usize>, job: J
                 medium = medium.within(place);
             }
             match &world.source {
+                None if world.needs.runs(Feature::SurfaceQueue) => {
+                    let scene = scene(world, plan, &medium, geometry);
+                    let surfaces = SurfaceQueue::new(world);
+                    if chromatic {
+                        job.run::<_, _, _, true, true>(&scene, surfaces)
+                    } else {
+                        job.run::<_, _, _, false, true>(&scene, surfaces)
+                    }
+                }
                 None => pick(world, plan, &medium, geometry, chromatic, rayleigh, job),
                 Some(source) => {
                     let mut source = source.as_source();
@@ -164,6 +183,10 @@ fn with_kernel<J: Job>(world: &World, plan: &Plan, colour: Option<usize>, job: J
                 samples: &world.tables.samples,
                 majorants: &world.tables.majorants,
             };
+            if world.needs.runs(Feature::SurfaceQueue) {
+                let scene = scene(world, plan, &medium, geometry);
+                return job.run::<_, _, _, true, true>(&scene, SurfaceQueue::new(world));
+            }
             // Rare enough that Rayleigh's branch need not be compiled away.
             pick(world, plan, &medium, geometry, chromatic, true, job)
         }
@@ -182,17 +205,27 @@ fn pick<M, J: Job>(
 where
     M: AnyMedium,
 {
-    let scene = Scene {
+    let scene = scene(world, plan, medium, geometry);
+    match (chromatic, rayleigh) {
+        (false, false) => job.run::<_, _, _, false, false>(&scene, NoSurfaces),
+        (false, true) => job.run::<_, _, _, false, true>(&scene, NoSurfaces),
+        (true, _) => job.run::<_, _, _, true, true>(&scene, NoSurfaces),
+    }
+}
+
+/// A world as the paths of a plan meet it.
+fn scene<'a, M>(
+    world: &'a World,
+    plan: &Plan,
+    medium: &'a M,
+    geometry: &'a dyn AnyGeometry,
+) -> Scene<'a, M, dyn AnyGeometry + 'a> {
+    Scene {
         medium,
         geometry,
         lights: world.lights(),
         camera: &world.camera,
         settings: plan.settings,
-    };
-    match (chromatic, rayleigh) {
-        (false, false) => job.run::<_, _, false, false>(&scene),
-        (false, true) => job.run::<_, _, false, true>(&scene),
-        (true, _) => job.run::<_, _, true, true>(&scene),
     }
 }
 
@@ -208,13 +241,15 @@ struct Trace<'a, 'r> {
 
 impl Job for Trace<'_, '_> {
     type Output = Counts;
-    fn run<M, G, const CHROMATIC: bool, const RAYLEIGH: bool>(
+    fn run<M, G, H, const CHROMATIC: bool, const RAYLEIGH: bool>(
         self,
         scene: &Scene<'_, M, G>,
+        surfaces: H,
     ) -> Counts
     where
         M: AnyMedium,
         G: Geometry<f32> + Geometry<Lanes> + Geometry<Wide> + Sync + ?Sized,
+        H: Surfaces,
     {
         let requests = self.requests.iter();
         let (paths, colour) = (self.paths, self.colour);
@@ -224,14 +259,15 @@ impl Job for Trace<'_, '_> {
         };
         match (self.plan.kernel, self.absorbs) {
             (Kernel::Packet, false) => {
-                trace::trace::<M, G, CHROMATIC, RAYLEIGH>(scene, requests, land)
+                trace::trace_among::<M, G, H, CHROMATIC, RAYLEIGH>(scene, surfaces, requests, land)
             }
             (Kernel::Packet, true) => trace::absorb::<M, G, CHROMATIC>(scene, requests, land),
             (Kernel::Scalar, absorbs) => {
                 let mut counts = Counts::default();
                 for (index, request) in requests.enumerate() {
-                    let path = trace_one::<M, G, CHROMATIC, RAYLEIGH>(
+                    let path = trace_one::<M, G, H, CHROMATIC, RAYLEIGH>(
                         scene,
+                        surfaces.clone(),
                         absorbs,
                         request,
                         &mut counts,
@@ -245,8 +281,9 @@ impl Job for Trace<'_, '_> {
 }
 
 /// One path in scalar code.
-fn trace_one<M, G, const CHROMATIC: bool, const RAYLEIGH: bool>(
+fn trace_one<M, G, H, const CHROMATIC: bool, const RAYLEIGH: bool>(
     scene: &Scene<'_, M, G>,
+    surfaces: H,
     absorbs: bool,
     request: PathRequest,
     counts: &mut Counts,
@@ -254,11 +291,12 @@ fn trace_one<M, G, const CHROMATIC: bool, const RAYLEIGH: bool>(
 where
     M: AnyMedium,
     G: Geometry<f32> + ?Sized,
+    H: Surfaces,
 {
     if absorbs {
         trace::absorb_scalar::<M, G, CHROMATIC>(scene, request, counts)
     } else {
-        trace::trace_scalar::<M, G, CHROMATIC, RAYLEIGH>(scene, request, counts)
+        trace::trace_scalar_among::<M, G, H, CHROMATIC, RAYLEIGH>(scene, surfaces, request, counts)
     }
 }
 
@@ -314,17 +352,24 @@ struct Replay {
 
 impl Job for Replay {
     type Output = (PathSample, Counts);
-    fn run<M, G, const CHROMATIC: bool, const RAYLEIGH: bool>(
+    fn run<M, G, H, const CHROMATIC: bool, const RAYLEIGH: bool>(
         self,
         scene: &Scene<'_, M, G>,
+        surfaces: H,
     ) -> Self::Output
     where
         M: AnyMedium,
         G: Geometry<f32> + Geometry<Lanes> + Geometry<Wide> + Sync + ?Sized,
+        H: Surfaces,
     {
         let mut counts = Counts::default();
-        let path =
-            trace_one::<M, G, CHROMATIC, RAYLEIGH>(scene, self.absorbs, self.request, &mut counts);
+        let path = trace_one::<M, G, H, CHROMATIC, RAYLEIGH>(
+            scene,
+            surfaces,
+            self.absorbs,
+            self.request,
+            &mut counts,
+        );
         (path, counts)
     }
 }

@@ -292,6 +292,18 @@ impl KeyedStream<Both<Lanes>> for Both<LaneStream> {
 }
 
 impl Both<LaneStream> {
+    /// Replaces the states of the given lanes, from their lower and upper halves.
+    #[inline(always)]
+    pub(crate) fn set_states(
+        &mut self,
+        low: Both<LaneWords>,
+        high: Both<LaneWords>,
+        lanes: Both<LaneMask>,
+    ) {
+        self.0.set_states(low.0, high.0, lanes.0);
+        self.1.set_states(low.1, high.1, lanes.1);
+    }
+
     /// Replaces the state of one lane, from its lower and upper half.
     #[inline(always)]
     pub(crate) fn set_state(&mut self, lane: usize, state: [u32; 2]) {

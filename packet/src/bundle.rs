@@ -197,8 +197,7 @@ pub fn run<M: Medium<Wide>, P: Process<Wide, M>>(
                         LaneWords::new(eight(half, upper)).permuted(order.1),
                     )
                 });
-                rng.0.set_states(low.0, high.0, mask.0);
-                rng.1.set_states(low.1, high.1, mask.1);
+                rng.set_states(low, high, mask);
                 let places = Both(
                     LaneWords::places(next, order.0),
                     LaneWords::places(upper, order.1),
@@ -268,17 +267,17 @@ fn group(bundle: &Bundle, first: usize) -> (Ray<Wide>, Wide, Both<LaneStream>) {
         let half = |first: usize| Lanes::new(eight(column, first));
         Both(half(first), half(first + LANES))
     };
-    let stream = |first: usize| {
-        let half = |i: usize| LaneWords::new(eight(&bundle.states[i], first));
-        let mut stream = LaneStream::default();
-        stream.set_states(half(0), half(1), LaneMask::splat(true));
-        stream
+    let states = |i: usize| {
+        let half = |first: usize| LaneWords::new(eight(&bundle.states[i], first));
+        Both(half(first), half(first + LANES))
     };
+    let mut stream = Both::<LaneStream>::default();
+    stream.set_states(states(0), states(1), Mask::splat(true));
     let ray = Ray {
         origin: Vec3::new(column(0), column(1), column(2)),
         direction: Vec3::new(column(3), column(4), column(5)),
     };
-    (ray, column(6), Both(stream(first), stream(first + LANES)))
+    (ray, column(6), stream)
 }
 
 /// Calls `group(first, rays)` for sixteen rays after sixteen, and writes what it gives.
@@ -299,6 +298,23 @@ fn in_groups(bundle: &Bundle, results: &mut [f32], mut group: impl FnMut(usize, 
             *out = Real::lane(last, lane);
         }
     }
+}
+
+/// One estimate for each ray of a bundle, sixteen rays after sixteen: for estimators that go over their rays more than once.
+///
+/// * `estimate(ray, t_max, rng, lanes)`: the estimates; what other lanes hold goes nowhere. `estimates`: one a ray. As long as the
+///   bundle; a shorter slice receives the first ones.
+#[inline(always)]
+pub fn in_turn(
+    bundle: &Bundle,
+    estimates: &mut [f32],
+    mut estimate: impl FnMut(&Ray<Wide>, Wide, &mut Both<LaneStream>, Both<LaneMask>) -> Wide,
+) {
+    in_groups(bundle, estimates, |first, rays| {
+        let (ray, t_max, mut rng) = group(bundle, first);
+        let lanes = Both::<LaneMask>::from_bits((1 << rays) - 1);
+        estimate(&ray, t_max, &mut rng, lanes)
+    });
 }
 
 /// The lowest `count` set bits of `bits`.

@@ -2,17 +2,17 @@
 
 use woodcock_core::majorant::Mark;
 use woodcock_core::path::{
-    self, BRANCHES, Counts, Geometry, Glow, PathSample, Scene, Start, Stretch, Tapped,
+    self, BRANCHES, Counts, Geometry, Glow, PathSample, Scene, Start, Stretch, Surfaces, Tapped,
 };
 use woodcock_core::points::{self, LaneStrata, Strata};
-use woodcock_core::ray::{Interval, Ray};
+use woodcock_core::ray::{FAR, Interval, Ray};
 use woodcock_core::real::{Mask, Real, Word32};
 use woodcock_core::stream::{Key, KeyedStream};
 use woodcock_core::vec3::Vec3;
 
 use crate::bits::LaneStream;
 use crate::lanes::{LANES, LaneMask, LaneWords, Lanes};
-use crate::trace::PathRequest;
+use crate::trace::{PathRequest, sight};
 
 /// What new paths begin with, by lane: written one by one, read all at once.
 #[derive(Debug, Default)]
@@ -84,6 +84,10 @@ pub(crate) struct Ready {
     /// Radiance, hidden part, number and weight of branches.
     seen: [[f32; LANES]; 6],
     distances: [[f32; LANES]; BRANCHES],
+    /// How far each ray's first surface is.
+    surfaces: [f32; LANES],
+    /// Rays that have a stretch within a medium, one bit each: all that get lanes, but for those that meet a surface.
+    entering: u32,
 }
 
 impl Ready {
@@ -98,6 +102,8 @@ impl Ready {
             mark: start.mark,
             seen: Default::default(),
             distances: Default::default(),
+            surfaces: [FAR; LANES],
+            entering: start.first.found.bits(),
         }
     }
 
@@ -150,6 +156,23 @@ impl Ready {
         }
     }
 
+    /// The ray of a place < 8.
+    fn ray(&self, place: usize) -> Ray<f32> {
+        self.start(place).ray
+    }
+
+    /// Whether the path of a place < 8 begins with a stretch within a medium.
+    #[inline(always)]
+    pub(crate) fn enters(&self, place: usize) -> bool {
+        self.entering >> (place % LANES) & 1 == 1
+    }
+
+    /// How far the first surface is from where the path of a place < 8 begins.
+    #[inline(always)]
+    pub(crate) fn distance(&self, place: usize) -> f32 {
+        self.surfaces[place % LANES]
+    }
+
     /// The stream of a place < 8, its lower and upper half.
     #[inline(always)]
     pub(crate) fn stream(&self, place: usize) -> [u32; 2] {
@@ -188,11 +211,11 @@ impl<I: Iterator<Item = PathRequest>> Queue<I> {
     ///
     /// * `combs`: whether paths begin with their [glow](path::glow).
     #[inline(always)]
-    pub(crate) fn next<M, G>(
+    pub(crate) fn next<M, G, H: Surfaces>(
         &mut self,
         scene: &Scene<'_, M, G>,
         combs: bool,
-        counts: &mut Counts,
+        (counts, surfaces): (&mut Counts, &mut H),
         land: &mut impl FnMut(usize, PathSample),
     ) -> Option<usize>
     where
@@ -200,7 +223,7 @@ impl<I: Iterator<Item = PathRequest>> Queue<I> {
         G: Geometry<Lanes> + ?Sized,
     {
         while self.waiting == 0 {
-            if !self.fill(scene, combs, counts, land) {
+            if !self.fill(scene, combs, (counts, surfaces), land) {
                 return None;
             }
         }
@@ -211,11 +234,11 @@ impl<I: Iterator<Item = PathRequest>> Queue<I> {
 
     /// Makes the next eight camera rays ready; whether there were any.
     #[inline(never)]
-    fn fill<M, G>(
+    fn fill<M, G, H: Surfaces>(
         &mut self,
         scene: &Scene<'_, M, G>,
         combs: bool,
-        counts: &mut Counts,
+        (counts, surfaces): (&mut Counts, &mut H),
         land: &mut impl FnMut(usize, PathSample),
     ) -> bool
     where
@@ -249,6 +272,14 @@ impl<I: Iterator<Item = PathRequest>> Queue<I> {
                 land(self.owners[lane], self.ready.found(lane));
             }
             return true;
+        }
+        if H::ANY {
+            for place in 0..begun {
+                let ray = self.ready.ray(place);
+                let distance = sight(surfaces, place, &ray);
+                self.ready.surfaces[place] = distance;
+                self.waiting |= u32::from(distance < FAR) << place;
+            }
         }
         let missed = PathSample {
             radiance: scene.lights.environment,

@@ -2,9 +2,10 @@
 
 use woodcock_core::medium::{Controlled, Medium};
 use woodcock_core::path::{
-    self, Counts, Geometry, PathMedium, PathSample, Paths, Scene, Stage, Start, Tapped,
+    self, Counts, Geometry, NoSurfaces, PathSample, Paths, Scene, Stage, Start, Surfaces, Tapped,
 };
 use woodcock_core::points::{self, LaneStrata};
+use woodcock_core::ray::{FAR, Ray};
 use woodcock_core::real::{Mask, Word32};
 use woodcock_core::stream::{Key, PathStream};
 
@@ -16,9 +17,16 @@ use crate::queue::{Bank, Next, Queue};
 /// A bit for every lane.
 const ALL: u32 = (1 << WIDTH) - 1;
 
+/// Lanes that wait to look or to be shaded, from which on they do, whatever else is to be done.
+const QUEUED: u32 = 4;
+
+/// A path in scalar code.
+type ScalarPaths<M, H, const CHROMATIC: bool, const ANY_RAYLEIGH: bool> =
+    Paths<f32, <M as Medium<f32>>::Walk, PathStream, CHROMATIC, ANY_RAYLEIGH, H>;
+
 /// The paths of all lanes.
-type WidePaths<M, const CHROMATIC: bool, const ANY_RAYLEIGH: bool> =
-    Paths<Wide, <M as Medium<Wide>>::Walk, Both<LaneStream>, CHROMATIC, ANY_RAYLEIGH>;
+type WidePaths<M, H, const CHROMATIC: bool, const ANY_RAYLEIGH: bool> =
+    Paths<Wide, <M as Medium<Wide>>::Walk, Both<LaneStream>, CHROMATIC, ANY_RAYLEIGH, H>;
 
 /// A path to trace.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,19 +46,34 @@ pub struct PathRequest {
 pub fn trace<M, G, const CHROMATIC: bool, const ANY_RAYLEIGH: bool>(
     scene: &Scene<'_, M, G>,
     requests: impl IntoIterator<Item = PathRequest>,
-    mut land: impl FnMut(usize, PathSample),
+    land: impl FnMut(usize, PathSample),
 ) -> Counts
 where
     M: Tapped<Lanes> + Tapped<Wide>,
     G: Geometry<Lanes> + Geometry<Wide> + ?Sized,
 {
-    let mut paths = WidePaths::<M, CHROMATIC, ANY_RAYLEIGH>::idle(scene.medium);
+    trace_among::<M, G, _, CHROMATIC, ANY_RAYLEIGH>(scene, NoSurfaces, requests, land)
+}
+
+/// The same among surfaces, whose `places` (see [`Surfaces::sight`]) are below [`LANES`] and whose lanes below [`WIDTH`].
+pub fn trace_among<M, G, H, const CHROMATIC: bool, const ANY_RAYLEIGH: bool>(
+    scene: &Scene<'_, M, G>,
+    surfaces: H,
+    requests: impl IntoIterator<Item = PathRequest>,
+    mut land: impl FnMut(usize, PathSample),
+) -> Counts
+where
+    M: Tapped<Lanes> + Tapped<Wide>,
+    G: Geometry<Lanes> + Geometry<Wide> + ?Sized,
+    H: Surfaces,
+{
+    let mut paths = WidePaths::<M, H, CHROMATIC, ANY_RAYLEIGH>::idle(scene.medium, surfaces);
     let mut queue = Queue::new(requests);
     let mut owners = [0_usize; WIDTH];
     // Lanes with an owner, one bit each.
     let mut held = 0_u32;
-    let combs = WidePaths::<M, CHROMATIC, ANY_RAYLEIGH>::combs(scene);
-    let alone = PathMedium::<Wide>::is_alone(scene.medium);
+    let combs = WidePaths::<M, H, CHROMATIC, ANY_RAYLEIGH>::combs(scene);
+    let alone = WidePaths::<M, H, CHROMATIC, ANY_RAYLEIGH>::sets_out_from_marks(scene);
     loop {
         let mut running = paths.running().bits();
         if running != ALL && combs {
@@ -67,14 +90,21 @@ where
                     land(owners[lane], paths.sample(lane));
                     held ^= bit;
                 }
-                if let Some(place) = queue.next(scene, combs, paths.counts_mut(), &mut land) {
+                if let Some(place) = queue.next(scene, combs, paths.outside(), &mut land) {
                     owners[lane] = queue.owners[place];
                     held |= bit;
                     paths.stream().set_state(lane, queue.ready.stream(place));
-                    let start = queue.ready.start(place);
+                    let mut start = queue.ready.start(place);
+                    if H::ANY {
+                        start.first.found = queue.ready.enters(place);
+                    }
                     paths.launch(lane, &start, alone);
                     if combs {
                         paths.launch_glowing(lane, &start.ray, &queue.ready.glow(place));
+                    }
+                    if H::ANY {
+                        let distance = queue.ready.distance(place);
+                        paths.launch_among(lane, (distance < FAR).then_some(place), distance);
                     }
                 }
             }
@@ -89,6 +119,19 @@ where
         let at = |stage| paths.at(stage).count();
         let [track, collide, scatter, enter] =
             [Stage::Track, Stage::Collide, Stage::Scatter, Stage::Enter].map(at);
+        if H::ANY {
+            // Lanes that are served one by one gain little by waiting for company.
+            let [look, shade] = [Stage::Look, Stage::Shade].map(at);
+            let enough = track.max(collide).max(scatter).max(enter).clamp(1, QUEUED);
+            if shade >= enough {
+                paths.shade(scene);
+                continue;
+            }
+            if look >= enough {
+                paths.look();
+                continue;
+            }
+        }
         if track >= collide && track >= scatter && track >= enter {
             paths.track(scene);
         } else if collide >= scatter && collide >= enter {
@@ -172,6 +215,22 @@ where
     M: Tapped<f32>,
     G: Geometry<f32> + ?Sized,
 {
+    let none = NoSurfaces;
+    trace_scalar_among::<M, G, _, CHROMATIC, ANY_RAYLEIGH>(scene, none, request, counts)
+}
+
+/// Traces one path among surfaces in scalar code: the oracle of [`trace_among`].
+pub fn trace_scalar_among<M, G, H, const CHROMATIC: bool, const ANY_RAYLEIGH: bool>(
+    scene: &Scene<'_, M, G>,
+    surfaces: H,
+    request: PathRequest,
+    counts: &mut Counts,
+) -> PathSample
+where
+    M: Tapped<f32>,
+    G: Geometry<f32> + ?Sized,
+    H: Surfaces,
+{
     let mut stream = PathStream::new(request.key);
     let strata = if scene.settings.points {
         let common = Word32(points::common(request.key));
@@ -181,19 +240,34 @@ where
     };
     let place = [request.x as f32, request.y as f32];
     let start = Start::new(scene, place, strata, &mut stream, true);
-    let mut paths = Paths::<f32, M::Walk, PathStream, CHROMATIC, ANY_RAYLEIGH>::idle(scene.medium);
-    let combs = Paths::<f32, M::Walk, PathStream, CHROMATIC, ANY_RAYLEIGH>::combs(scene);
-    let glow = combs.then(|| path::glow(scene, &start, &mut stream, true, paths.counts_mut()));
+    let mut paths = ScalarPaths::<M, H, CHROMATIC, ANY_RAYLEIGH>::idle(scene.medium, surfaces);
+    let combs = ScalarPaths::<M, H, CHROMATIC, ANY_RAYLEIGH>::combs(scene);
+    let glow = combs.then(|| path::glow(scene, &start, &mut stream, true, paths.outside().0));
     *paths.stream() = stream;
-    paths.launch(0, &start, scene.medium.is_alone());
+    paths.launch(
+        0,
+        &start,
+        ScalarPaths::<M, H, CHROMATIC, ANY_RAYLEIGH>::sets_out_from_marks(scene),
+    );
     if let Some(glow) = &glow {
         paths.launch_glowing(0, &start.ray, glow);
         paths.branch(scene);
+    }
+    if H::ANY {
+        let distance = sight(paths.outside().1, 0, &start.ray);
+        paths.launch_among(0, (distance < FAR).then_some(0), distance);
     }
     while paths.running() {
         for stage in [Stage::Track, Stage::Collide, Stage::Scatter, Stage::Enter] {
             if paths.at(stage) {
                 paths.step(scene, stage);
+            }
+        }
+        if H::ANY {
+            for stage in [Stage::Look, Stage::Shade] {
+                if paths.at(stage) {
+                    paths.step(scene, stage);
+                }
             }
         }
         if combs {
@@ -202,4 +276,13 @@ where
     }
     counts.add(paths.counts());
     paths.sample(0)
+}
+
+/// Looks along the camera ray that waits at a place: the distance of the first surface, [`FAR`] if there is none.
+pub(crate) fn sight(surfaces: &mut impl Surfaces, place: usize, ray: &Ray<f32>) -> f32 {
+    if path::clearance(surfaces.enclosures(), ray, Word32(path::NO_PLANE)) < FAR {
+        surfaces.sight(place, ray.origin.lane(0), ray.direction.lane(0))
+    } else {
+        FAR
+    }
 }

@@ -38,7 +38,8 @@ def arguments():
     parser.add_argument("--woodcock", type=Path, help="the binary")
     parser.add_argument("--yardsticks", type=Path, help="folder that `cargo run --release -p woodcock-benches --bin yardsticks -- FOLDER` wrote")
     parser.add_argument("--scenes", nargs="+", metavar="NAME", default=list(TARGETS), choices=list(TARGETS))
-    parser.add_argument("--spike", type=float, nargs="+", help="instead: the cloud with one voxel so many times as dense, time over that without")
+    parser.add_argument("--spike", type=float, nargs="+", help="instead: the cloud with one voxel so many times as dense, both renderers' times over those without")
+    parser.add_argument("--spike-size", type=int, default=48, help="pixels along an edge with a spike; Mitsuba takes minutes at 1000")
     parser.add_argument("--size", type=int, default=128, help="pixels along an edge")
     parser.add_argument("--rounds", type=int, default=6, help="renderings of either, at least three")
     parser.add_argument("--way", help="of Mitsuba, in place of a pilot: VARIANT,INTEGRATOR,RR_DEPTH")
@@ -169,13 +170,14 @@ class Mitsuba:
         self.process.wait()
 
 
-def woodcock(args, scene, spp, seed):
+def woodcock(args, scene, spp, seed, size=None):
     """Image, variance of its pixels' means, CPU seconds, kernel."""
     import OpenEXR
 
     image, stats = args.out / "woodcock.exr", args.out / "woodcock.json"
+    size = size or args.size
     command = [args.woodcock.resolve(), args.yardsticks / f"{scene}.pbrt", "-q", "-o", image, "--stats", stats]
-    command += ["--spp", spp, "--seed", seed, "--resolution", f"{args.size}x{args.size}"]
+    command += ["--spp", spp, "--seed", seed, "--resolution", f"{size}x{size}"]
     subprocess.run([str(word) for word in command], check=True)
     with OpenEXR.File(str(image), separate_channels=True) as file:
         channels = file.channels()
@@ -245,15 +247,55 @@ def compare(args, peers, scene):
     return met and verdict.agrees
 
 
+def spiked(args, factor):
+    """The name of a copy of the cloud, for woodcock, with one voxel so many times as dense."""
+    name = f"cloud-spike-{factor:g}"
+    volume = bytearray((args.yardsticks / "cloud.vol").read_bytes())
+    # Mitsuba's format: a head of 48 bytes with the numbers of voxels along x, y and z at 8, then the values, x fastest.
+    nx, ny, nz = np.frombuffer(volume, "<i4", 3, 8)
+    density = np.frombuffer(volume, "<f4", nx * ny * nz, 48).reshape(nz, ny, nx)
+    density[np.unravel_index(nearest_peak(density), density.shape)] *= factor
+    (args.yardsticks / f"{name}.vol").write_bytes(volume)
+    text = (args.yardsticks / "cloud.pbrt").read_text()
+    assert text.count("cloud.vol") == 1
+    (args.yardsticks / f"{name}.pbrt").write_text(text.replace("cloud.vol", f"{name}.vol"))
+    return name
+
+
 def spike(args, peers):
-    """Mitsuba's time with a spike over the time without; the rest of its merits a spike leaves alone."""
-    peer, spp = peers["llvm_ad_rgb"], 4
-    print("| spike | Mitsuba CPU s | over none |\n|---|---|---|")
-    first = None
-    for factor in [1.0, *args.spike]:
-        times = [peer.render("cloud", "volpath", 50, spp, seed, 32, factor)[1] for seed in range(3)]
-        first = first or np.median(times)
-        print(f"| {factor:g} | {np.median(times):.3g} | {np.median(times) / first:.2f} |", flush=True)
+    """Times with a spike over those without, renderers taking turns; the rest of their merits a spike leaves alone."""
+    rounds, spp, factors = 3, {"mitsuba": 2, "woodcock": 128}, [1.0, *args.spike]
+    ways = [(variant, integrator) for variant in VARIANTS for integrator in INTEGRATORS]
+    if args.way:
+        variant, integrator, _ = args.way.split(",")
+        ways = [(variant, integrator)]
+    else:
+        # The way that is fastest without a spike, which leaves variance nearly alone.
+        pilot = {way: peers[way[0]].render("cloud", way[1], 50, spp["mitsuba"], 7, args.spike_size)[1] for way in ways}
+        ways = [min(pilot, key=pilot.get)]
+    (variant, integrator), size = ways[0], args.spike_size
+    scenes = {factor: spiked(args, factor) for factor in factors}
+    times = {factor: ([], []) for factor in factors}
+    means = {factor: ([], []) for factor in factors}
+    for factor in factors:
+        # Mitsuba takes longer to make a scene ready than to render it: its renderings of one scene follow one another.
+        for seed in range(rounds):
+            image, took = peers[variant].render("cloud", integrator, 50, spp["mitsuba"], seed, size, factor)
+            times[factor][0].append(took)
+            means[factor][0].append(image.mean())
+            mean, _, took, _ = woodcock(args, scenes[factor], spp["woodcock"], seed, size)
+            times[factor][1].append(took)
+            means[factor][1].append(mean.mean())
+    print(f"{variant} {integrator}, {size} x {size} pixels, {spp['mitsuba']} and {spp['woodcock']} samples; CPU ns a path, medians of {rounds}\n")
+    print("| spike | Mitsuba | over none | woodcock | over none | mean of the image: Mitsuba | woodcock |\n|---|---|---|---|---|---|---|")
+    for factor in factors:
+        cells = []
+        for which, renderer in enumerate(spp):
+            median = np.median(times[factor][which])
+            over = median / np.median(times[1.0][which])
+            cells.append(f"{median * 1e9 / spp[renderer] / size**2:.0f} | {over:.2f}")
+        cells += [f"{np.mean(m):.3f} +- {np.std(m, ddof=1) / rounds**0.5:.3f}" for m in means[factor]]
+        print(f"| {factor:g} | {' | '.join(cells)} |", flush=True)
 
 
 def main():
@@ -261,7 +303,7 @@ def main():
     if args.worker:
         worker(args.worker)
         return 0
-    if not args.yardsticks or not (args.woodcock or args.spike) or args.rounds < 3:
+    if not args.yardsticks or not args.woodcock or args.rounds < 3:
         print("--woodcock and --yardsticks are needed, and three rounds", file=sys.stderr)
         return 2
     sys.path.insert(0, str(HERE))

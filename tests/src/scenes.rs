@@ -206,6 +206,10 @@ pub fn each(visit: &mut dyn FnMut(&str, &dyn Traced)) {
         shadow: ShadowEstimator::Delta,
         ..settings
     };
+    let bright = Settings {
+        bright: 0.02,
+        ..settings
+    };
     let short = Settings {
         max_depth: 3,
         ..settings
@@ -283,6 +287,14 @@ pub fn each(visit: &mut dyn FnMut(&str, &dyn Traced)) {
         "cloud at noon, known to be alone",
         &Needing::<_, _, false, false>(&scene),
     );
+    let scene = Scene {
+        settings: bright,
+        ..scene
+    };
+    visit(
+        "cloud alone, bright shadow rays estimated several times",
+        &Needing::<_, _, false, false>(&scene),
+    );
 
     let scene = Scene {
         medium: &medium,
@@ -355,6 +367,14 @@ pub fn each(visit: &mut dyn FnMut(&str, &dyn Traced)) {
     };
     visit(
         "four media that overlap",
+        &Needing::<_, _, true, true>(&scene),
+    );
+    let scene = Scene {
+        settings: bright,
+        ..scene
+    };
+    visit(
+        "four media that overlap, shadow rays estimated several times",
         &Needing::<_, _, true, true>(&scene),
     );
 }

@@ -20,6 +20,9 @@
 //! Where a medium shines, the camera ray may be *combed* instead: [`glow()`] finds what it sees, and launch goes to scatter, once for each of a
 //! few branches.
 //!
+//! Among [`Surfaces`] there are two more stages, which serve lanes one by one. A flight that has come to where surfaces may be *looks* for
+//! the nearest, and flies on up to there; one that arrives is *shaded*: a light, a direction by the BSDF. Shadow rays look first.
+//!
 //! Each step serves all lanes in its stage and no other. Which stage runs when changes no path's value,
 //! as a path draws only its own numbers in its own order; packets use that freedom to fill their
 //! lanes, and one lane simply follows the arrows.
@@ -35,6 +38,7 @@ mod source;
 mod start;
 mod state;
 mod stratum;
+mod surfaces;
 
 pub use absorption::{absorb, sample_of};
 pub use bricks::{
@@ -52,6 +56,7 @@ pub use source::{BlackBodies, Field, Radiance, Shining, Source};
 pub use start::Start;
 pub use state::{Paths, Stage};
 pub use stratum::STRATUM;
+pub use surfaces::{Arrival, Enclosure, NO_PLANE, NoSurfaces, Onward, Surfaces, clearance};
 
 use crate::camera::Camera;
 use crate::light::Lights;
@@ -60,7 +65,8 @@ use crate::light::Lights;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ShadowEstimator {
     /// [`crate::transmittance::power_series`] for the camera rays of scenes that only absorb, which see little else;
-    /// [`crate::transmittance::ratio`] with roulette for shadow rays, most of which are soon blocked.
+    /// [`crate::transmittance::ratio`] with roulette for shadow rays, most of which are soon blocked, and again for those that
+    /// [would bring much](Settings::bright).
     #[default]
     ByNeed,
     /// [`crate::transmittance::ratio`].
@@ -89,6 +95,10 @@ pub struct Settings {
     /// being traced at all; positive. Those that are traced bring at least as much but for what is in their way, and play
     /// roulette again where that leaves little of it.
     pub faint: f32,
+    /// The density of scattering towards a light, times throughput [1/sr], for each multiple of which the transmittance of a shadow ray
+    /// is estimated once more, up to sixteen times, where it has no closed form; the mean counts. Positive; infinite for one
+    /// estimate a ray.
+    pub bright: f32,
     /// The throughput below which a path plays roulette, and survives with it.
     pub roulette: f32,
 }
@@ -107,6 +117,7 @@ impl Default for Settings {
             forced: false,
             combed: false,
             faint: 0.06,
+            bright: f32::INFINITY,
             roulette: 0.25,
         }
     }

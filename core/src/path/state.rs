@@ -1,9 +1,13 @@
 //! The paths of all lanes, and the steps that move them from stage to stage.
 
+mod among;
+
 use crate::collision;
+use crate::light::LightSample;
 use crate::majorant::{Mark, Tracker};
 use crate::path::{
-    Counts, Geometry, Glow, Optics, PathSample, Scene, ShadowEstimator, Start, Stretch, Tapped,
+    Counts, Geometry, Glow, NoSurfaces, Optics, PathSample, Scene, ShadowEstimator, Start, Stretch,
+    Surfaces, Tapped,
 };
 use crate::phase::Phase;
 use crate::points::{Choice, LaneStrata, Stratified};
@@ -13,6 +17,7 @@ use crate::spectral::{Tentative, history_aware};
 use crate::stream::{KeyedStream, Stream};
 use crate::transmittance::{self, Rule};
 use crate::vec3::Vec3;
+use among::Among;
 
 /// What a lane's path does next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,6 +30,10 @@ pub enum Stage {
     Collide,
     /// Sample a light and a new direction.
     Scatter,
+    /// Find the next surface along the ray; where there are any.
+    Look,
+    /// Sample a light and a new direction on a surface.
+    Shade,
 }
 
 /// The nearest real collision found so far on a lane's ray.
@@ -39,8 +48,9 @@ struct Hit<R: Real> {
 ///
 /// `CHROMATIC`: extinction differs between colours; otherwise one scalar weight serves all three.
 /// `ANY_RAYLEIGH`: some medium follows Rayleigh's law.
+/// `H`: the surfaces among the media.
 #[derive(Clone, Debug)]
-pub struct Paths<R: Real, W, S, const CHROMATIC: bool, const ANY_RAYLEIGH: bool> {
+pub struct Paths<R: Real, W, S, const CHROMATIC: bool, const ANY_RAYLEIGH: bool, H = NoSurfaces> {
     stream: S,
     strata: LaneStrata<R::Word>,
     /// The first stretch of camera rays, found before their launch; `found` until they enter it.
@@ -66,6 +76,8 @@ pub struct Paths<R: Real, W, S, const CHROMATIC: bool, const ANY_RAYLEIGH: bool>
     forced: R,
     /// Below this weight the shadow ray plays roulette, and survives with it.
     floor: R,
+    /// How many further estimates of the shadow ray's transmittance follow the present one.
+    further: R,
     depth: R::Word,
     /// Density with which the present direction was sampled [1/sr].
     pdf: R,
@@ -77,8 +89,10 @@ pub struct Paths<R: Real, W, S, const CHROMATIC: bool, const ANY_RAYLEIGH: bool>
     camera: Ray<R>,
     /// Lanes on their way to the first tentative collision of a camera ray.
     opening: R::Mask,
-    stages: [R::Mask; 4],
+    stages: [R::Mask; 6],
     counts: Counts,
+    surfaces: H,
+    among: Among<R>,
 }
 
 /// A word beyond any number of stretches: the next search finds nothing.
@@ -89,20 +103,23 @@ const FAINT_ON_THE_WAY: f32 = 0.4;
 const LEAST: f32 = 1.0 / 64.0;
 /// No shadow ray plays roulette above this weight.
 const ROULETTE_SHADOW: f32 = 0.5;
+/// Estimates of the transmittance of one shadow ray, at most.
+const MOST_ESTIMATES: f32 = 16.0;
 /// Above this throughput a flight in a homogeneous medium is made to collide.
 const FORCED: f32 = 0.2;
 /// A density that no competing strategy comes near.
 const CERTAIN: f32 = 1e30;
 
-impl<R, W, S, const CHROMATIC: bool, const ANY_RAYLEIGH: bool>
-    Paths<R, W, S, CHROMATIC, ANY_RAYLEIGH>
+impl<R, W, S, H, const CHROMATIC: bool, const ANY_RAYLEIGH: bool>
+    Paths<R, W, S, CHROMATIC, ANY_RAYLEIGH, H>
 where
     R: Real,
     W: Clone,
     S: KeyedStream<R>,
+    H: Surfaces,
 {
     /// No path in any lane.
-    pub fn idle<M: Tapped<R, Walk = W>>(medium: &M) -> Self {
+    pub fn idle<M: Tapped<R, Walk = W>>(medium: &M, surfaces: H) -> Self {
         let zero = Vec3::uniform(0.0);
         let none = R::Mask::splat(false);
         Self {
@@ -134,6 +151,7 @@ where
             weight: zero,
             forced: R::one(),
             floor: R::zero(),
+            further: R::zero(),
             depth: R::Word::splat(0),
             pdf: R::zero(),
             shadow: none,
@@ -144,8 +162,10 @@ where
                 direction: zero,
             },
             opening: none,
-            stages: [none; 4],
+            stages: [none; 6],
             counts: Counts::default(),
+            surfaces,
+            among: Among::idle(),
         }
     }
 
@@ -158,8 +178,13 @@ where
     /// The lanes with an unfinished path.
     #[inline(always)]
     pub fn running(&self) -> R::Mask {
-        let [a, b, c, d] = self.stages;
-        a | b | c | d
+        let [a, b, c, d, look, shade] = self.stages;
+        let running = a | b | c | d;
+        if H::ANY {
+            running | look | shade
+        } else {
+            running
+        }
     }
 
     /// The streams, to be given new keys before a launch.
@@ -173,9 +198,9 @@ where
         &self.counts
     }
 
-    /// The same, to add what is done outside of lanes.
-    pub fn counts_mut(&mut self) -> &mut Counts {
-        &mut self.counts
+    /// The same, to add what is done outside of lanes; and the surfaces, to look along rays before they have lanes.
+    pub fn outside(&mut self) -> (&mut Counts, &mut H) {
+        (&mut self.counts, &mut self.surfaces)
     }
 
     /// What the path of a finished lane brings.
@@ -208,7 +233,7 @@ where
     ///
     /// Written one by one: as many lanes as finish begin anew, mostly one, and all others keep what they have.
     ///
-    /// * `alone`: the medium [is alone](crate::path::PathMedium::is_alone).
+    /// * `alone`: whether it [sets out from its mark](Self::sets_out_from_marks).
     #[inline(always)]
     pub fn launch(&mut self, lane: usize, start: &Start<f32>, alone: bool) {
         let (ray, first) = (&start.ray, &start.first);
@@ -239,10 +264,16 @@ where
         self.stages[Stage::Enter as usize].set_lane(lane, true);
     }
 
+    /// Whether rays set out from where others ended: the medium [is alone](crate::path::PathMedium::is_alone), without surfaces.
+    #[inline(always)]
+    pub fn sets_out_from_marks<M: Tapped<R>, G: ?Sized>(scene: &Scene<'_, M, G>) -> bool {
+        !H::ANY && scene.medium.is_alone()
+    }
+
     /// Whether paths begin with the [glow](crate::path::glow()) of what is before them.
     #[inline(always)]
     pub fn combs<M: Tapped<R>, G: ?Sized>(scene: &Scene<'_, M, G>) -> bool {
-        M::SHINES && !CHROMATIC && scene.settings.combed
+        M::SHINES && !CHROMATIC && !H::ANY && scene.settings.combed
     }
 
     /// Gives a path that was just launched what its camera ray was found to see; it waits for [`branch`](Self::branch).
@@ -285,7 +316,7 @@ where
             phase: Phase::select(lanes, &phase, &self.hit.phase),
         };
         self.ray = Ray::select(lanes, &self.camera, &self.ray);
-        if scene.medium.is_alone() {
+        if Self::sets_out_from_marks(scene) {
             let ray = Ray {
                 origin: point,
                 direction: self.camera.direction,
@@ -330,7 +361,7 @@ where
             }
         }
         let lanes = self.at(Stage::Enter);
-        if scene.medium.is_alone() {
+        if Self::sets_out_from_marks(scene) {
             let walk = &mut self.tracker.walk;
             let length = scene
                 .medium
@@ -350,7 +381,10 @@ where
         };
         self.first.found = self.first.found.and_not(lanes);
         let found = (stretch.found & sought) | known;
-        let t0 = stretch.interval.t0;
+        let mut t0 = stretch.interval.t0;
+        if H::ANY {
+            t0 = t0.max(self.among.from);
+        }
         let t1 = stretch.interval.t1.min(self.limit);
         let inside = t0.lt(t1) & found;
         self.next_stretch(found.and_not(inside));
@@ -414,7 +448,10 @@ where
         if scene.settings.points {
             self.opening = self.opening.and_not(lanes);
             // Further stretches of a ray draw anew: what the first took is spent.
-            let first = lanes.and_not(self.shadow) & self.cursor.eq(R::Word::splat(0));
+            let mut first = lanes.and_not(self.shadow) & self.cursor.eq(R::Word::splat(0));
+            if H::ANY {
+                first = first & self.among.from.eq(R::zero());
+            }
             let (early, word) = self.flight_digits(first);
             if early.any() {
                 let mut stream = Stratified::<R, S, 1>::new(&mut self.stream, [word], early);
@@ -482,21 +519,36 @@ where
         self.weight = Vec3::select(lanes, self.weight.times(factor), self.weight);
     }
 
-    /// No further medium on these rays: a shadow ray reaches its light, a flight its nearest
+    /// No further medium on these rays: a shadow ray reaches its light, or sets out once more; a flight its nearest
     /// collision or the environment.
     #[inline(always)]
     fn end_ray<M, G: ?Sized>(&mut self, scene: &Scene<'_, M, G>, ended: R::Mask) {
         let lit = ended & self.shadow;
         let radiance = self.radiance + self.direct.times(self.weight);
         self.radiance = Vec3::select(lit, radiance, self.radiance);
-        self.ray.direction = Vec3::select(lit, self.next_direction, self.ray.direction);
-        self.shadow = self.shadow.and_not(lit);
-        self.begin_ray(lit);
-
+        let again = R::zero().lt(self.further) & lit;
+        if again.any() {
+            self.further = R::select(again, self.further - R::one(), self.further);
+            self.weight = Vec3::select(again, Vec3::uniform(1.0), self.weight);
+            self.begin_ray(again);
+            if H::ANY {
+                // No surface is in the way: that is known.
+                self.among.from = R::select(again, R::zero(), self.among.from);
+            }
+        }
+        let done = lit.and_not(again);
+        self.ray.direction = Vec3::select(done, self.next_direction, self.ray.direction);
+        self.shadow = self.shadow.and_not(done);
         let flown = ended.and_not(lit);
-        let collided = self.limit.lt(R::splat(FAR)) & flown;
-        self.go(collided, Stage::Enter, Stage::Scatter);
-        let escaped = flown.and_not(collided);
+        let escaped = if H::ANY {
+            self.begin_ray_among(done, Stage::Enter);
+            self.end_flights_among(flown)
+        } else {
+            self.begin_ray(done);
+            let collided = self.limit.lt(R::splat(FAR)) & flown;
+            self.go(collided, Stage::Enter, Stage::Scatter);
+            flown.and_not(collided)
+        };
         if escaped.any() {
             let mut sky = Vec3::splat(scene.lights.environment);
             if scene.lights.sample_environment {
@@ -626,12 +678,16 @@ where
             albedo: Vec3::select(real, albedo, self.hit.albedo),
             phase: Phase::select(real, &phase, &self.hit.phase),
         };
-        if scene.medium.is_alone() {
+        if Self::sets_out_from_marks(scene) {
             let mark = scene.medium.mark(&self.tracker.walk, t);
             self.mark = Mark::select(real, &mark, &self.mark);
         }
         let seen = real & self.depth.eq(R::Word::splat(0));
         self.alpha = R::select(seen, self.alpha.max(R::one()), self.alpha);
+        if H::ANY {
+            self.limit = R::select(real, self.entered + t, self.limit);
+            self.among.struck = self.among.struck | real;
+        }
         if scene.geometry.overlaps() {
             // Another stretch may hold a nearer one; search on, up to here.
             self.limit = R::select(real, self.entered + t, self.limit);
@@ -717,6 +773,9 @@ where
         if !alive.any() {
             return;
         }
+        if H::ANY {
+            self.collide_among(alive);
+        }
         self.ray.origin = Vec3::select(alive, self.hit.point, self.ray.origin);
         let incoming = self.ray.direction;
         let phase = self.hit.phase;
@@ -729,14 +788,7 @@ where
         if scene.lights.count() == 0 {
             self.ray.direction = Vec3::select(alive, direction, incoming);
         } else {
-            let light = if scene.settings.points && scene.lights.count() > 1 {
-                let first = self.depth.eq(R::Word::splat(1)) & alive;
-                let digits = [self.strata.leading(Choice::Light)];
-                let mut stream = Stratified::<R, S, 1>::new(&mut self.stream, digits, first);
-                scene.lights.sample(&mut stream, alive)
-            } else {
-                scene.lights.sample(&mut self.stream, alive)
-            };
+            let light = self.pick_light(scene, alive);
             let density = phase.eval::<ANY_RAYLEIGH>(incoming.dot(light.direction));
             // Balance heuristic; one for a light that only next-event estimation can find.
             let share = if scene.lights.sample_environment {
@@ -749,28 +801,84 @@ where
                 R::one()
             };
             let direct = self.throughput.times(light.radiance) * (density * share);
-            // A shadow ray that would bring little is seldom worth its way.
             let promise = self.throughput.max_component() * density;
-            let factor = collision::roulette(
-                promise,
-                R::splat(scene.settings.faint),
-                &mut self.stream,
+            let faint = scene.settings.faint;
+            // The noise of one that brings much is worth several estimates.
+            let estimates = Self::estimates::<M>(promise, scene.settings.bright);
+            self.send(
+                faint,
+                &light,
+                direct,
+                (promise, estimates),
+                direction,
                 alive,
             );
-            let looks = alive.and_not(factor.eq(R::zero()));
-            self.direct = Vec3::select(looks, direct * factor, self.direct);
-            self.weight = Vec3::select(looks, Vec3::uniform(1.0), self.weight);
-            let faint = R::splat(scene.settings.faint);
-            let floor = faint * R::splat(FAINT_ON_THE_WAY) / promise.max(faint);
-            let floor = floor.max(R::splat(LEAST)).min(R::splat(ROULETTE_SHADOW));
-            self.floor = R::select(looks, floor, self.floor);
-            self.next_direction = Vec3::select(looks, direction, self.next_direction);
-            let onward = Vec3::select(looks, light.direction, direction);
-            self.ray.direction = Vec3::select(alive, onward, incoming);
-            self.shadow = self.shadow | looks;
         }
-        self.begin_ray(alive);
-        self.go(alive, Stage::Scatter, Stage::Enter);
+        if H::ANY {
+            self.begin_ray_among(alive, Stage::Scatter);
+        } else {
+            self.begin_ray(alive);
+            self.go(alive, Stage::Scatter, Stage::Enter);
+        }
+    }
+
+    /// Samples a light for a scattering that has been counted.
+    #[inline(always)]
+    fn pick_light<M, G: ?Sized>(
+        &mut self,
+        scene: &Scene<'_, M, G>,
+        alive: R::Mask,
+    ) -> LightSample<R> {
+        if scene.settings.points && scene.lights.count() > 1 {
+            let first = self.depth.eq(R::Word::splat(1)) & alive;
+            let digits = [self.strata.leading(Choice::Light)];
+            let mut stream = Stratified::<R, S, 1>::new(&mut self.stream, digits, first);
+            scene.lights.sample(&mut stream, alive)
+        } else {
+            scene.lights.sample(&mut self.stream, alive)
+        }
+    }
+
+    /// Turns rays towards a light, if it promises enough, or else to where their paths go on.
+    ///
+    /// * `faint`: the promise below which they play roulette for it [1/sr].
+    /// * `direct`: what the light brings if nothing is in its way. `promise`: throughput times the density of scattering towards it
+    ///   [1/sr]. `estimates`: how many of its transmittance it is worth.
+    #[inline(always)]
+    fn send(
+        &mut self,
+        faint: f32,
+        light: &LightSample<R>,
+        direct: Vec3<R>,
+        (promise, estimates): (R, R),
+        direction: Vec3<R>,
+        alive: R::Mask,
+    ) {
+        // A shadow ray that would bring little is seldom worth its way.
+        let faint = R::splat(faint);
+        let factor = collision::roulette(promise, faint, &mut self.stream, alive);
+        let looks = alive.and_not(factor.eq(R::zero()));
+        let part = factor / estimates;
+        self.direct = Vec3::select(looks, direct * part, self.direct);
+        self.further = R::select(looks, estimates - R::one(), self.further);
+        self.weight = Vec3::select(looks, Vec3::uniform(1.0), self.weight);
+        let floor = faint * R::splat(FAINT_ON_THE_WAY) / promise.max(faint);
+        let floor = floor.max(R::splat(LEAST)).min(R::splat(ROULETTE_SHADOW));
+        self.floor = R::select(looks, floor, self.floor);
+        self.next_direction = Vec3::select(looks, direction, self.next_direction);
+        let onward = Vec3::select(looks, light.direction, direction);
+        self.ray.direction = Vec3::select(alive, onward, self.ray.direction);
+        self.shadow = self.shadow | looks;
+    }
+
+    /// How many estimates of its transmittance a shadow ray of so much promise is worth; one where each is exact.
+    #[inline(always)]
+    fn estimates<M: Tapped<R>>(promise: R, bright: f32) -> R {
+        if M::TIGHT {
+            return R::one();
+        }
+        let worth = (promise * R::splat(1.0 / bright)).min(R::splat(MOST_ESTIMATES));
+        R::from_word(worth.to_word()).max(R::one())
     }
 
     /// Two uniform numbers for the direction of a scattering that has been counted.
@@ -804,6 +912,8 @@ where
             Stage::Track => self.track(scene),
             Stage::Collide => self.collide(scene),
             Stage::Scatter => self.scatter(scene),
+            Stage::Look => self.look(),
+            Stage::Shade => self.shade(scene),
         }
     }
 }

@@ -47,6 +47,7 @@ mod path;
 pub(crate) mod room;
 mod scatter;
 mod score;
+pub(crate) mod surface_queue;
 mod tracer;
 mod transmit;
 mod transmittance;

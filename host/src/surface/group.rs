@@ -76,6 +76,45 @@ impl Met {
     }
 }
 
+/// Boxes of which no more than this many are compared pair by pair.
+const PAIRED: usize = 32;
+
+/// Joins boxes until at most `most` ≥ 1 are left: at each step the two that have the smallest area together; neighbours on the longest
+/// axis before, where there are many.
+pub(super) fn join(mut boxes: Vec<[DVec3; 2]>, most: usize) -> Vec<[DVec3; 2]> {
+    let both = |a: &[DVec3; 2], b: &[DVec3; 2]| [a[0].min(b[0]), a[1].max(b[1])];
+    if boxes.len() > PAIRED
+        && let Some([low, high]) = union(boxes.iter().copied())
+    {
+        let extent = high - low;
+        let axis = (0..3).fold(0, |a, b| if extent[b] > extent[a] { b } else { a });
+        let middle = |b: &[DVec3; 2]| b[0][axis] + b[1][axis];
+        boxes.sort_by(|a, b| middle(a).total_cmp(&middle(b)));
+        let run = boxes.len().div_ceil(PAIRED);
+        let runs = boxes.chunks(run);
+        boxes = runs.filter_map(|run| union(run.iter().copied())).collect();
+    }
+    while boxes.len() > most.max(1) {
+        let mut least = (f64::INFINITY, 0, 0);
+        for (i, a) in boxes.iter().enumerate() {
+            for (j, b) in boxes.iter().enumerate().skip(i + 1) {
+                let [low, high] = both(a, b);
+                let e = high - low;
+                let area = e.x * e.y + e.y * e.z + e.z * e.x;
+                if area < least.0 || least.2 == 0 {
+                    least = (area, i, j);
+                }
+            }
+        }
+        let (_, i, j) = least;
+        let other = boxes.swap_remove(j);
+        if let Some(one) = boxes.get_mut(i) {
+            *one = both(one, &other);
+        }
+    }
+    boxes
+}
+
 /// Parts, perhaps instances, and a tree over them.
 ///
 /// The order in which obvhs sorts pieces is relative to the box around all: on a ground that is far wider than a mesh
@@ -150,6 +189,19 @@ impl Group {
             top: Cluster::new(&leaves, &boxes),
             bounds,
         })
+    }
+
+    /// The corners of a box around each part and instance.
+    pub(super) fn outlines(&self, objects: &[Self]) -> Vec<[DVec3; 2]> {
+        let parts = self.parts.iter().filter_map(|part| {
+            let pieces = 0..part.pieces() as u32;
+            union(pieces.filter_map(|piece| part.bounds(piece)))
+        });
+        let instances = self.instances.iter().filter_map(|instance| {
+            let own = objects.get(instance.object)?.bounds?;
+            Some(instance.placement.box_bounds(own))
+        });
+        parts.chain(instances).collect()
     }
 
     /// The nearest piece at 0 < t ≤ `t_max`; of several at the same t the first of the scene.
@@ -301,5 +353,41 @@ impl Group {
             }
             None => part.spot(met.piece, met.at, origin + direction * met.t),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn joined_boxes_hold_what_the_others_held() {
+        let unit = |at: DVec3| [at, at + DVec3::ONE];
+        let near = [DVec3::ZERO, DVec3::X * 2.0, DVec3::Y * 50.0];
+        let three: Vec<_> = near.map(unit).into();
+        assert_eq!(join(three.clone(), 3), three);
+        let two = join(three, 2);
+        assert_eq!(
+            two,
+            [[DVec3::ZERO, DVec3::new(3.0, 1.0, 1.0)], unit(near[2])]
+        );
+        let many: Vec<_> = (0..1000)
+            .map(|i| {
+                unit(DVec3::new(
+                    f64::from(i * 7 % 13),
+                    f64::from(i),
+                    f64::from(i % 5),
+                ))
+            })
+            .collect();
+        let few = join(many.clone(), 6);
+        assert_eq!(few.len(), 6);
+        let holds = |inner: &[DVec3; 2]| {
+            few.iter()
+                .any(|outer| outer[0].cmple(inner[0]).all() && inner[1].cmple(outer[1]).all())
+        };
+        assert!(many.iter().all(holds));
+        assert!(!holds(&unit(DVec3::new(0.0, 1001.0, 0.0))));
+        assert!(join(Vec::new(), 6).is_empty());
     }
 }

@@ -142,6 +142,11 @@ impl Surfaces {
         self.world.bounds
     }
 
+    /// The corners of at most `most` ≥ 1 boxes that together hold all surfaces: those of shapes and instances, the smallest joined.
+    pub fn enclosures(&self, most: usize) -> Vec<[DVec3; 2]> {
+        group::join(self.world.outlines(&self.objects), most)
+    }
+
     /// The nearest surface at 0 < t < `t_max`.
     pub fn intersect(&self, ray: &Ray, t_max: f64) -> Option<Hit> {
         let met = self

@@ -31,6 +31,8 @@ pub enum Feature {
     Surfaces,
     /// Surfaces and lamps of any kind and number, in double precision: what is no [room](woodcock_core::room).
     DetailedSurfaces,
+    /// Hits on surfaces that wait in a queue, while packets track the media among them.
+    SurfaceQueue,
     /// Lights at places, and pictures of the sky.
     LocalLights,
     /// Light from within media.
@@ -47,6 +49,8 @@ pub enum Feature {
     FlownEmission,
     /// Shadow rays however little they would bring.
     FaintShadowRays,
+    /// One estimate of what passes along a shadow ray, however much it would bring.
+    SingleEstimates,
     /// Paths that carry all colours.
     SharedPaths,
     /// First choices drawn apart from those of other samples.
@@ -59,7 +63,7 @@ pub enum Feature {
 
 impl Feature {
     /// All of them, in the order of the table.
-    pub const ALL: [Self; 22] = [
+    pub const ALL: [Self; 24] = [
         Self::Tracking,
         Self::Chromatic,
         Self::SeveralMedia,
@@ -70,6 +74,7 @@ impl Feature {
         Self::Lens,
         Self::Surfaces,
         Self::DetailedSurfaces,
+        Self::SurfaceQueue,
         Self::LocalLights,
         Self::Emission,
         Self::DetailedMedia,
@@ -78,6 +83,7 @@ impl Feature {
         Self::FreePassage,
         Self::FlownEmission,
         Self::FaintShadowRays,
+        Self::SingleEstimates,
         Self::SharedPaths,
         Self::IndependentSamples,
         Self::Bricks,
@@ -97,6 +103,7 @@ impl Feature {
             Self::Lens => "lens",
             Self::Surfaces => "surfaces",
             Self::DetailedSurfaces => "detailed-surfaces",
+            Self::SurfaceQueue => "surface-queue",
             Self::LocalLights => "local-lights",
             Self::Emission => "emission",
             Self::DetailedMedia => "detailed-media",
@@ -107,6 +114,7 @@ impl Feature {
             Self::FreePassage => "free-passage",
             Self::FlownEmission => "flown-emission",
             Self::FaintShadowRays => "faint-shadow-rays",
+            Self::SingleEstimates => "single-estimates",
             Self::SharedPaths => "shared-paths",
             Self::IndependentSamples => "independent-samples",
         }
@@ -116,7 +124,12 @@ impl Feature {
     pub const fn can_be_kept(self) -> bool {
         !matches!(
             self,
-            Self::NextEvent | Self::Lens | Self::LocalLights | Self::Emission | Self::DetailedMedia
+            Self::NextEvent
+                | Self::Lens
+                | Self::SurfaceQueue
+                | Self::LocalLights
+                | Self::Emission
+                | Self::DetailedMedia
         )
     }
 
@@ -179,13 +192,18 @@ impl Needs {
 
     /// Whether all that runs can run in packets.
     pub(super) fn in_packets(&self) -> bool {
+        let queued = self.runs(Feature::SurfaceQueue) || !self.runs(Feature::Surfaces);
+        queued && !self.needs_scalars_but_for_surfaces()
+    }
+
+    /// Whether something other than surfaces that runs can run in scalar code only.
+    pub(super) fn needs_scalars_but_for_surfaces(&self) -> bool {
         let scalar = [
-            Feature::Surfaces,
             Feature::LocalLights,
             Feature::DetailedMedia,
             Feature::EquiAngular,
         ];
-        !scalar.into_iter().any(|feature| self.runs(feature))
+        scalar.into_iter().any(|feature| self.runs(feature))
     }
 
     /// Whether packets trace a path for each colour, grey.

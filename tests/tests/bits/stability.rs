@@ -171,6 +171,10 @@ fn whole_paths_are_pinned() {
             13_016_388_093_732_081_442,
         ),
         (
+            "cloud alone, bright shadow rays estimated several times",
+            11_586_889_550_828_090_531,
+        ),
+        (
             "cloud by day, shadows by delta tracking",
             10_933_961_822_422_455_959,
         ),
@@ -180,6 +184,10 @@ fn whole_paths_are_pinned() {
             13_596_585_507_783_614_447,
         ),
         ("four media that overlap", 10_154_692_060_154_971_878),
+        (
+            "four media that overlap, shadow rays estimated several times",
+            4_675_120_966_136_639_148,
+        ),
     ];
     let found = pinned.iter();
     let found: Vec<(&str, u64)> = found.map(|(n, hash)| (n.as_str(), *hash)).collect();

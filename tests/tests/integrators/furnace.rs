@@ -5,6 +5,7 @@
 //! tracer brings 1 but for rounding.
 
 use woodcock_host::integrator::Integrator;
+use woodcock_host::world::Feature;
 use woodcock_tests::gallery::*;
 use woodcock_tests::pictures::*;
 use woodcock_tests::replicates::Replicates;
@@ -30,7 +31,10 @@ const fn depth(integrator: Integrator) -> u32 {
 }
 
 fn replicates(exhibit: &Exhibit, integrator: Integrator, seed: u64) -> Replicates {
-    let studio = exhibit.stage(integrator, seed);
+    // What packets track among surfaces has furnaces of its own.
+    let keep = [Feature::DetailedSurfaces];
+    let studio = stage_with(&exhibit.text(), exhibit.files.clone(), &keep);
+    let studio = replan(studio, integrator, seed, exhibit.max_depth);
     assert!(!studio.plan.in_packets(&studio.world), "{}", exhibit.name);
     Replicates::of(exhibit.name, &studio, depth(integrator))
 }

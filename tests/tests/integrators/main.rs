@@ -9,6 +9,7 @@ mod bits;
 mod closed_forms;
 mod equivalence;
 mod furnace;
+mod mixed;
 mod options;
 mod pairwise;
 mod planted;

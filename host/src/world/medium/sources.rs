@@ -36,26 +36,13 @@ pub(super) enum Room {
 /// * `remark`: told what a user may not expect.
 pub(super) fn openvdb(
     bytes: &[u8],
-    (density, room): (&str, Room),
+    density: (&str, Room),
     temperature: Option<&str>,
     limits: &Limits,
     remark: impl FnMut(String),
 ) -> Result<FileGrids, String> {
-    let seen = RefCell::new(Vec::new());
-    let wanted = |grid: &str| {
-        seen.borrow_mut().push(format!("\"{grid}\""));
-        grid == density || Some(grid) == temperature
-    };
-    let file = vdb::read_grids(bytes, limits, wanted).map_err(|error| error.to_string())?;
-    let names = seen.into_inner();
-    of_file(
-        &file.grids,
-        names,
-        (density, room),
-        temperature,
-        limits,
-        remark,
-    )
+    let read = |wanted: &Wanted<'_>| Ok(vdb::read_grids(bytes, limits, wanted)?.grids);
+    of_file(read, density, temperature, limits, remark)
 }
 
 /// Grids of a NanoVDB file.
@@ -63,26 +50,13 @@ pub(super) fn openvdb(
 /// * `remark`: told what a user may not expect.
 pub(super) fn nanovdb(
     bytes: &[u8],
-    (density, room): (&str, Room),
+    density: (&str, Room),
     temperature: Option<&str>,
     limits: &Limits,
     remark: impl FnMut(String),
 ) -> Result<FileGrids, String> {
-    let seen = RefCell::new(Vec::new());
-    let wanted = |grid: &str| {
-        seen.borrow_mut().push(format!("\"{grid}\""));
-        grid == density || Some(grid) == temperature
-    };
-    let file = nvdb::read_grids(bytes, limits, wanted).map_err(|error| error.to_string())?;
-    let names = seen.into_inner();
-    of_file(
-        &file.grids,
-        names,
-        (density, room),
-        temperature,
-        limits,
-        remark,
-    )
+    let read = |wanted: &Wanted<'_>| Ok(nvdb::read_grids(bytes, limits, wanted)?.grids);
+    of_file(read, density, temperature, limits, remark)
 }
 
 impl From<&VolGrid> for CellBox {
@@ -149,18 +123,29 @@ pub(super) fn vol_albedo(
     CellBox::from(&grid).field(colours.to_vec(), Beyond::Nearest, world_to)
 }
 
-/// Density and temperature among the grids of a file that has grids of these names.
+/// Whether a grid of a name is to be read.
+type Wanted<'a> = dyn Fn(&str) -> bool + 'a;
+
+/// Density and temperature among the grids of a file.
+///
+/// * `read`: asks of each grid whether it is wanted, and gives those.
 fn of_file(
-    grids: &[vdb::Grid],
-    names: Vec<String>,
+    read: impl FnOnce(&Wanted<'_>) -> Result<Vec<vdb::Grid>, vdb::VdbError>,
     (density, room): (&str, Room),
     temperature: Option<&str>,
     limits: &Limits,
     remark: impl FnMut(String),
 ) -> Result<FileGrids, String> {
-    let density = samples(scalar(grids, &names, density)?, room, limits, remark)?;
+    let seen = RefCell::new(Vec::new());
+    let wanted = |grid: &str| {
+        seen.borrow_mut().push(format!("\"{grid}\""));
+        grid == density || Some(grid) == temperature
+    };
+    let grids = read(&wanted).map_err(|error| error.to_string())?;
+    let names = seen.into_inner();
+    let density = samples(scalar(&grids, &names, density)?, room, limits, remark)?;
     let temperature = match temperature {
-        Some(name) => Some(temperatures(scalar(grids, &names, name)?, limits)?),
+        Some(name) => Some(temperatures(scalar(&grids, &names, name)?, limits)?),
         None => None,
     };
     Ok(FileGrids {

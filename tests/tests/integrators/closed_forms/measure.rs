@@ -96,7 +96,8 @@ impl<'a> Trial<'a> {
 
     fn measure(&self, integrator: Integrator, name: &str) -> [Moments; 3] {
         // Media alone would go to the packets.
-        let Studio { world, .. } = stage_keeping(self.text, &[Feature::Surfaces]);
+        let Studio { world, .. } =
+            stage_keeping(self.text, &[Feature::Surfaces, Feature::DetailedSurfaces]);
         let seed = self.name.bytes().fold(7, |seed: u64, byte| {
             seed.wrapping_mul(0x0100_0000_01b3) ^ u64::from(byte)
         });

@@ -266,6 +266,49 @@ fn delta_and_ratio_shadows_agree() {
     }
 }
 
+/// Estimates of bright shadow rays are means of several: the picture is the same, but for its noise.
+#[test]
+fn several_estimates_are_as_right_as_one_and_less_noisy() {
+    let test = woodcock_tests::stats::ImageTest {
+        resolution: 0.01,
+        allowance: f64::MAX,
+    };
+    let cloud = openvdb("m", "cloud_zip.vdb", &grey(12.0, 0.95, 0.7))
+        + &block("m", "", [[-2.0; 3], [2.0; 3]]);
+    let shoot = |irradiance: f64, bright: f32, seed| {
+        let lights = sun([1.0, 1.5, -1.0], [irradiance; 3]);
+        let text = scene(&view(), [32, 32], &(lights + &cloud));
+        let mut studio = stage_with(&text, volume("cloud_zip.vdb"), &[]).seeded(seed);
+        assert!(studio.plan.settings.bright.is_finite());
+        studio.plan.settings.bright = bright;
+        studio.shoot(512)
+    };
+    let single = shoot(4.0, f32::INFINITY, 53);
+    let several = shoot(4.0, 0.01, 54);
+    let found = test.compare(&several.image(0), &single.image(0));
+    assert!(
+        found.verdict.agrees(),
+        "{:?} {:+.2}",
+        found.verdict,
+        found.whole
+    );
+    let brighter = test.compare(&shoot(4.4, 0.01, 55).image(0), &single.image(0));
+    assert!(
+        brighter.whole > 10.0,
+        "a sun brighter by a tenth: {:+.2}",
+        brighter.whole
+    );
+    let noise = |picture: &Picture| -> f64 {
+        let variances = picture
+            .film
+            .pixels()
+            .filter_map(|(_, _, pixel)| pixel.variance_of_mean());
+        variances.map(|variance| variance[0]).sum()
+    };
+    let ratio = noise(&several) / noise(&single);
+    assert!(ratio < 0.95, "{ratio}");
+}
+
 #[test]
 fn colours_are_as_if_rendered_one_by_one() {
     let (absorption, scattering) = ([0.1, 0.4, 1.2], [4.0, 2.0, 0.5]);
