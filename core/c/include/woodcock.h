@@ -142,7 +142,8 @@ typedef struct woodcock_segment {
 
 /* Puts a walk where a ray enters a grid. */
 int32_t woodcock_walk_begin(woodcock_walk *walk, const woodcock_grid *grid, const woodcock_ray *ray);
-/* The next segment, or WOODCOCK_END. The grid is the one that the walk was begun in. */
+/* The next segment, or WOODCOCK_END. The grid is the one that the walk was begun in. By rounding the last segment may be a hair that lies
+ * beyond the grid, with a majorant of zero. */
 int32_t woodcock_walk_next(woodcock_walk *walk, const woodcock_grid *grid, woodcock_segment *segment);
 /* The extinction at a distance along the ray that lies in the segment given last. */
 int32_t woodcock_walk_extinction(const woodcock_walk *walk, const woodcock_grid *grid, float t, float *sigma_t);
