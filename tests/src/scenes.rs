@@ -9,8 +9,8 @@ use woodcock_core::light::{Distant, Lights};
 use woodcock_core::majorant::BLOCK;
 use woodcock_core::medium::Affine;
 use woodcock_core::path::{
-    Atlas, Convex, Counts, Geometry, MediumRecord, OneGrid, OneHomogeneous, PathSample, RecordKind,
-    Scene, Settings, ShadowEstimator, Stretch, Tapped,
+    Atlas, Convex, Counts, Field, Geometry, MediumRecord, OneGrid, OneHomogeneous, PathSample,
+    Radiance, RecordKind, Scene, Settings, ShadowEstimator, Shining, Source, Stretch, Tapped,
 };
 use woodcock_core::ray::{Interval, Ray};
 use woodcock_core::real::{Mask, Real, Word};
@@ -342,6 +342,43 @@ pub fn each(visit: &mut dyn FnMut(&str, &dyn Traced)) {
         "coloured cloud, shadows by delta tracking",
         &Needing::<_, _, true, false>(&scene),
     );
+
+    // A cloud that glows, brighter on one side: combs find what its camera rays see.
+    let light: Vec<f32> = (0..8).flat_map(|i| [0.2 + (i % 2) as f32; 3]).collect();
+    let source = Source {
+        absorbed: [0.3, 0.2, 0.1],
+        factor: None,
+        radiance: Radiance::Field(Field {
+            values: &light,
+            dims: [2; 3],
+            world_to_grid: fitted([2; 3], [0.0; 3], 1.0),
+        }),
+    };
+    let burning = MediumRecord {
+        scale: 12.0,
+        ..grey
+    };
+    let placed = OneGrid::new(&burning, &cloud.samples, &cloud.majorants);
+    let combed = Settings {
+        combed: true,
+        ..settings
+    };
+    for (name, settings) in [("combed", combed), ("flown", settings)] {
+        for (place, medium) in [
+            ("", placed),
+            (", known to be alone", placed.within(&geometry)),
+        ] {
+            let scene = Scene {
+                medium: &Shining { medium, source },
+                geometry: &geometry,
+                lights: sky,
+                camera: &pinhole,
+                settings,
+            };
+            let name = format!("glowing cloud, {name}{place}");
+            visit(&name, &Needing::<_, _, false, true>(&scene));
+        }
+    }
 
     // Two grids in common tables, and two fogs; shapes that overlap in pairs and all together.
     let rough = TestGrid::random([9, 10, 17], 96, 0.5);

@@ -159,6 +159,15 @@ impl<R: Real> Mark<R> {
         }
     }
 
+    /// The same places for rays in any direction: what is known to be empty ahead is forgotten.
+    #[inline(always)]
+    pub(crate) fn for_all_directions(self) -> Self {
+        Self {
+            reach: R::one(),
+            ..self
+        }
+    }
+
     /// Sets one lane.
     #[inline(always)]
     pub fn set_lane(&mut self, lane: usize, mark: &Mark<f32>) {

@@ -33,13 +33,16 @@ impl<R: Real> Start<R> {
         lanes: R::Mask,
     ) -> Self {
         use crate::real::Word;
-        let mut ray = camera_ray(scene, place, &strata, rng, lanes);
+        let ray = camera_ray(scene, place, &strata, rng, lanes);
         let mut first = scene.geometry.stretch(&ray, R::Word::splat(0), lanes);
         first.found = first.found & lanes;
         let mut mark = Mark::none();
         if scene.medium.is_alone() {
-            ray.origin = ray.at(first.interval.t0);
-            mark = scene.medium.mark_origin(&ray, first.found);
+            let entry = Ray {
+                origin: ray.at(first.interval.t0),
+                direction: ray.direction,
+            };
+            mark = scene.medium.mark_origin(&entry, first.found);
         }
         Self {
             ray,

@@ -323,7 +323,8 @@ where
                 origin: point,
                 direction: self.camera.direction,
             };
-            let mark = scene.medium.mark_origin(&ray, lanes);
+            // It scatters, and a rounding may have put it into an empty block.
+            let mark = scene.medium.mark_origin(&ray, lanes).for_all_directions();
             self.mark = Mark::select(lanes, &mark, &self.mark);
         }
         let weight = self.glow.weight;

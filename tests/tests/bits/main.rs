@@ -99,7 +99,7 @@ fn equal(name: &str, scene: &dyn Traced) {
         }
     }
     // Something happened: paths that met the medium, finite light, differing values.
-    let touched = scalar.iter().filter(|s| s.alpha == 1.0).count();
+    let touched = scalar.iter().filter(|s| s.alpha > 0.0).count();
     assert!(
         touched > scalar.len() / 10,
         "{name}: {touched} paths met anything"
@@ -129,7 +129,7 @@ fn whole_paths_have_the_bits_of_scalar_ones() {
         equal(name, scene);
         compared += 1;
     });
-    assert_eq!(compared, 13);
+    assert_eq!(compared, 17);
 }
 
 /// The comparison can fail: another key is another path.
@@ -178,23 +178,27 @@ fn every_path_of_the_furnace_is_white() {
 /// paths but for roundings, which now and then turn a decision.
 #[test]
 fn a_cloud_alone_has_the_same_paths() {
-    let mut found: Vec<Vec<PathSample>> = Vec::new();
+    const ALONE: &str = ", known to be alone";
+    let mut found = std::collections::BTreeMap::new();
     scenes::each(&mut |name, scene| {
-        if name.starts_with("cloud at noon") {
-            let requests = requests(8);
-            let mut samples = vec![PathSample::default(); requests.len()];
-            scene.in_packets(&requests, &mut |i, sample| samples[i] = sample);
-            found.push(samples);
-        }
+        let requests = requests(8);
+        let mut samples = vec![PathSample::default(); requests.len()];
+        scene.in_packets(&requests, &mut |i, sample| samples[i] = sample);
+        found.insert(name.to_owned(), samples);
     });
-    let [placed, marked] = found.as_slice() else {
-        panic!("{} such scenes", found.len());
-    };
     let near = |a: f32, b: f32| (a - b).abs() <= 1e-3 * a.abs();
     let same = |(a, b): &(&PathSample, &PathSample)| {
-        a.alpha == b.alpha && a.radiance.iter().zip(b.radiance).all(|(a, b)| near(*a, b))
+        near(a.alpha, b.alpha) && a.radiance.iter().zip(b.radiance).all(|(a, b)| near(*a, b))
     };
-    let alike = placed.iter().zip(marked).filter(same).count();
-    let share = alike as f64 / placed.len() as f64;
-    assert!(share > 0.98, "{share} of the paths are alike");
+    let mut compared = 0;
+    for (name, marked) in &found {
+        let Some(placed) = name.strip_suffix(ALONE).and_then(|name| found.get(name)) else {
+            continue;
+        };
+        let alike = placed.iter().zip(marked).filter(same).count();
+        let share = alike as f64 / placed.len() as f64;
+        assert!(share > 0.98, "{name}: {share} of the paths are alike");
+        compared += 1;
+    }
+    assert_eq!(compared, 3);
 }

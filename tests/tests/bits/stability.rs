@@ -184,6 +184,16 @@ fn whole_paths_are_pinned() {
             "coloured cloud, shadows by delta tracking",
             13_596_585_507_783_614_447,
         ),
+        ("glowing cloud, combed", 10_395_713_478_091_213_699),
+        (
+            "glowing cloud, combed, known to be alone",
+            9_441_288_097_198_486_200,
+        ),
+        ("glowing cloud, flown", 14_600_828_990_426_460_191),
+        (
+            "glowing cloud, flown, known to be alone",
+            3_948_269_229_534_842_567,
+        ),
         ("four media that overlap", 10_154_692_060_154_971_878),
         (
             "four media that overlap, shadow rays estimated several times",
