@@ -29,5 +29,6 @@ pub mod report;
 pub mod scene;
 pub mod surface;
 pub mod texture;
-pub mod volume;
 pub mod world;
+
+pub use woodcock_volume as volume;

@@ -305,6 +305,7 @@ impl Both<LaneStream> {
     }
 
     /// Replaces the state of one lane, from its lower and upper half.
+    #[cfg(not(target_family = "wasm"))] // where paths run in one vector
     #[inline(always)]
     pub(crate) fn set_state(&mut self, lane: usize, state: [u32; 2]) {
         let (half, lane) = self.half_mut(lane);

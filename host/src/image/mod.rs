@@ -10,6 +10,7 @@ pub mod png;
 pub mod read;
 #[cfg(test)]
 mod read_tests;
+mod tone;
 
 use crate::film::{Film, Window};
 use std::collections::BTreeMap;

@@ -170,7 +170,7 @@ fn room(exhibit: &Exhibit, keep: &[Feature], seed: u64) -> Replicates {
         exhibit.name,
         studio.world.needs
     );
-    Replicates::of(exhibit.name, &studio, SAMPLES * 4)
+    Replicates::of(exhibit.name, &studio, SAMPLES * 2)
 }
 
 #[test]

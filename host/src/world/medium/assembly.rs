@@ -7,7 +7,7 @@ use woodcock_core::majorant::BLOCK;
 use woodcock_core::path::{MediumRecord, RecordKind};
 
 use super::blackbody::DARK;
-use super::cells::{self, CellBox};
+use super::cells::{self, field};
 use super::cloud::CloudDensity;
 use super::details::{Details, Share};
 use super::emission::{Emission, Radiance, Temperatures};
@@ -18,7 +18,7 @@ use super::{Medium, PhaseFunction, Support, Tables};
 use crate::scene::{
     self, Cloud, Files, MediumKind, NamedMedium, SceneError, TemperatureValues, Warning,
 };
-use crate::volume::Limits;
+use crate::volume::{CellBox, Limits};
 
 /// What assembly is told besides the medium.
 pub(in crate::world) struct Surroundings<'a> {
@@ -327,7 +327,7 @@ fn emission(
             _ => return Err("values of emission by voxel need a grid in the scene".to_owned()),
         };
         let values = values.iter().map(|v| [*v]).collect();
-        cells.field(values, Beyond::Value([beyond]), world_to)
+        field(cells, values, Beyond::Value([beyond]), world_to)
     };
     let le = match &medium.kind {
         MediumKind::RgbGrid(grid) => grid.le.as_ref().map(|le| (CellBox::from(grid), le)),
@@ -368,7 +368,7 @@ fn emission(
         Radiance::Temperature(Box::new(temperatures))
     } else if let Some((cells, le)) = le {
         check("Le", le.as_flattened(), |v| v >= 0.0 && v.is_finite())?;
-        Radiance::Field(cells.field(le.clone(), Beyond::Value([0.0; 3]), world_to)?)
+        Radiance::Field(field(cells, le.clone(), Beyond::Value([0.0; 3]), world_to)?)
     } else {
         check("Le", &told.le, |v| v >= 0.0 && v.is_finite())?;
         Radiance::Constant(told.le)

@@ -10,7 +10,7 @@ use super::bricks::BrickTables;
 use super::details::Share;
 use super::{Support, Tables};
 use crate::scene::NamedMedium;
-use crate::volume::Limits;
+use crate::volume::Density;
 
 /// A grid as a file or a scene gives it: samples at integer places of grid space, with a rim that
 /// interpolation to the outside needs.
@@ -24,6 +24,20 @@ pub(super) struct Samples {
     /// The part of grid space that has extinction.
     pub(super) low: DVec3,
     pub(super) high: DVec3,
+}
+
+impl From<Density> for Samples {
+    fn from(density: Density) -> Self {
+        let [low, high] = density.matter;
+        Self {
+            values: Values::Dense(density.samples),
+            shares: None,
+            dims: density.dims,
+            to_medium: density.to_volume,
+            low,
+            high,
+        }
+    }
 }
 
 /// How samples come.
@@ -202,20 +216,4 @@ fn voxel_edge(world_to_grid: &Affine) -> f64 {
     let [x, y, z] =
         world_to_grid.map(|[a, b, c, _]| DVec3::new(f64::from(a), f64::from(b), f64::from(c)));
     libm::cbrt(x.dot(y.cross(z)).abs()).recip().min(f64::MAX)
-}
-
-/// The dimensions of a grid with a rim of one sample, if memory has room for it.
-pub(super) fn padded(dims: [u64; 3], limits: &Limits) -> Result<[u32; 3], String> {
-    let padded = dims.map(|d| d.saturating_add(2));
-    let voxels = padded.iter().fold(1_u64, |n, &d| n.saturating_mul(d));
-    let bytes = voxels.saturating_mul(4);
-    if bytes > limits.max_memory || voxels > i32::MAX as u64 {
-        let [x, y, z] = dims;
-        return Err(format!(
-            "a dense grid of {x} x {y} x {z} voxels needs {bytes} bytes, the limit is {} (and 2^31 voxels); \
-             raise --max-memory or use a smaller volume",
-            limits.max_memory
-        ));
-    }
-    Ok(padded.map(|d| d as u32))
 }

@@ -5,11 +5,11 @@ use std::cell::RefCell;
 use glam::{DAffine3, DVec3};
 
 use super::bricks::BrickTables;
-use super::cells::CellBox;
+use super::cells::field;
 use super::field::{Beyond, Field};
-use super::samples::{Samples, Trim, Values, padded};
-use crate::volume::vol::{self, VolGrid};
-use crate::volume::{Limits, nvdb, vdb};
+use super::samples::{Samples, Trim, Values};
+use crate::volume::vol::VolGrid;
+use crate::volume::{Density, Limits, Scalar, nvdb, padded, vdb};
 
 /// The grids of a medium's file: the density, and the temperature where one is asked for.
 pub(super) struct FileGrids {
@@ -59,55 +59,9 @@ pub(super) fn nanovdb(
     of_file(read, density, temperature, limits, remark)
 }
 
-impl From<&VolGrid> for CellBox {
-    /// Mitsuba's grids fill the unit cube.
-    fn from(grid: &VolGrid) -> Self {
-        Self {
-            resolution: grid.size,
-            p0: DVec3::ZERO,
-            p1: DVec3::ONE,
-        }
-    }
-}
-
-/// Reads a grid of Mitsuba's, of so many channels and with values up to a largest.
-fn mitsuba(
-    bytes: &[u8],
-    channels: usize,
-    largest: f32,
-    limits: &Limits,
-) -> Result<VolGrid, String> {
-    let grid = vol::read(bytes, limits).map_err(|error| error.to_string())?;
-    if grid.channels != channels {
-        return Err(format!(
-            "it has {} channel(s) where {channels} are needed",
-            grid.channels
-        ));
-    }
-    if let Some(n) = grid
-        .values
-        .iter()
-        .position(|v| !(0.0..=largest).contains(v))
-    {
-        let (voxel, value) = (n / channels, grid.values[n]);
-        let [nx, ny, _] = grid.size;
-        let (x, y, z) = (voxel % nx, voxel / nx % ny, voxel / nx / ny);
-        return Err(format!(
-            "voxel ({x}, {y}, {z}) is {value}: it must lie between 0 and {largest:e}"
-        ));
-    }
-    Ok(grid)
-}
-
 /// The density of a Mitsuba file: constant between the outermost samples and the faces of its box.
 pub(super) fn vol_density(bytes: &[u8], limits: &Limits) -> Result<Samples, String> {
-    let grid = mitsuba(bytes, 1, f32::MAX, limits)?;
-    CellBox::from(&grid).samples(limits, true, |index| {
-        Ok(index
-            .and_then(|i| grid.values.get(i))
-            .copied()
-            .unwrap_or(0.0))
-    })
+    Density::of_vol(bytes, limits).map(Samples::from)
 }
 
 /// Albedos by colour of a Mitsuba file.
@@ -118,9 +72,9 @@ pub(super) fn vol_albedo(
     limits: &Limits,
     world_to: impl FnOnce(DAffine3) -> Result<DAffine3, String>,
 ) -> Result<Field<3>, String> {
-    let grid = mitsuba(bytes, 3, 1.0, limits)?;
+    let grid = VolGrid::within(bytes, 3, 1.0, limits)?;
     let (colours, _) = grid.values.as_chunks::<3>();
-    CellBox::from(&grid).field(colours.to_vec(), Beyond::Nearest, world_to)
+    field((&grid).into(), colours.to_vec(), Beyond::Nearest, world_to)
 }
 
 /// Whether a grid of a name is to be read.
@@ -154,13 +108,6 @@ fn of_file(
     })
 }
 
-/// A grid with one number a voxel, and its transform.
-struct Scalar<'a> {
-    name: &'a str,
-    voxels: &'a vdb::Voxels,
-    to_medium: DAffine3,
-}
-
 fn scalar<'a>(grids: &'a [vdb::Grid], names: &[String], name: &str) -> Result<Scalar<'a>, String> {
     let Some(grid) = grids.iter().find(|grid| grid.name == name) else {
         let mut names = names.to_vec();
@@ -171,37 +118,12 @@ fn scalar<'a>(grids: &'a [vdb::Grid], names: &[String], name: &str) -> Result<Sc
             false => format!("there is no grid \"{name}\", only {}", names.join(", ")),
         });
     };
-    if let Some(reason) = grid.unreadable() {
-        return Err(format!("grid \"{name}\" cannot be rendered: {reason}"));
-    }
-    let voxels = grid.voxels().map_err(|error| error.to_string())?;
-    if voxels.components() != 1 {
-        return Err(format!(
-            "grid \"{name}\" has vectors; a density is one number a voxel"
-        ));
-    }
-    let Some(to_medium) = grid.transform.affine() else {
-        return Err(format!(
-            "grid \"{name}\" lies in a frustum, which cannot be rendered"
-        ));
-    };
-    Ok(Scalar {
-        name: &grid.name,
-        voxels,
-        to_medium,
-    })
+    Scalar::of(grid)
 }
 
 /// The density of a grid; `None` where it cannot be one, or takes too much memory.
 pub(super) fn density(grid: &vdb::Grid, room: Room, limits: &Limits) -> Option<Samples> {
-    let voxels = grid.voxels().ok().filter(|v| v.components() == 1)?;
-    let scalar = Scalar {
-        name: &grid.name,
-        voxels,
-        to_medium: grid.transform.affine()?,
-    };
-    let renderable = grid.unreadable().is_none();
-    renderable.then(|| samples(scalar, room, limits, |_| ()).ok()?)?
+    samples(Scalar::of(grid).ok()?, room, limits, |_| ()).ok()?
 }
 
 /// The density of a grid.
@@ -209,66 +131,35 @@ fn samples(
     grid: Scalar<'_>,
     room: Room,
     limits: &Limits,
-    mut remark: impl FnMut(String),
+    remark: impl FnMut(String),
 ) -> Result<Option<Samples>, String> {
-    let Scalar {
-        name,
-        voxels,
-        to_medium,
-    } = grid;
-    if let Some(invalid) = voxels.first_invalid() {
-        return Err(format!(
-            "grid \"{name}\": {invalid}; a density is finite and not negative"
-        ));
-    }
-    let background = voxels.background();
-    if background != 0.0 {
-        remark(format!(
-            "grid \"{name}\" has the background {background}: it ends one voxel beyond the stored values"
-        ));
-    }
-    let Some((min, max)) = voxels.stored_box() else {
+    let Some(stored) = grid.stored(remark)? else {
         return Ok(None);
     };
-    let (low, high) = (min.map(|i| i - 1), max.map(|i| i + 1));
-    let to_medium =
-        to_medium * DAffine3::from_translation(DVec3::from_array(low.map(|i| i as f64)));
-    let size = [0, 1, 2].map(|i| (high[i] - low[i] + 1).unsigned_abs());
-    let far = DVec3::from_array(size.map(|n| (n - 1) as f64));
-    let place = (to_medium, DVec3::ZERO, far);
+    let voxels = grid.voxels;
     if let Room::Bricks { from } = room
-        && background as f32 == 0.0
+        && voxels.background() as f32 == 0.0
     {
         let Some((min, max)) = voxels.visible_box() else {
             return Ok(None);
         };
         let trim = Trim {
-            low: [0, 1, 2].map(|a| (min[a] - 1 - low[a]) as usize),
-            high: [0, 1, 2].map(|a| (max[a] + 1 - low[a]) as usize),
+            low: [0, 1, 2].map(|a| (min[a] - 1 - stored.low[a]) as usize),
+            high: [0, 1, 2].map(|a| (max[a] + 1 - stored.low[a]) as usize),
         };
         let dims = trim.dims().map(|n| n as u64);
         let count = dims.iter().fold(1, |n: u64, d| n.saturating_mul(*d));
         if count >= from as u64 {
             let bricks = BrickTables::of_voxels(voxels, min.map(|i| i - 1), dims, limits)?;
+            let [low, high] = stored.matter();
             return Ok(Some(trim.samples(
                 Values::Bricks(Box::new(bricks)),
                 None,
-                place,
+                (stored.to_volume(), low, high),
             )));
         }
     }
-    let dims = padded(size.map(|n| n - 2), limits)?;
-    let values = voxels
-        .to_dense(low, high, limits)
-        .map_err(|error| error.to_string())?;
-    Ok(Some(Samples {
-        values: Values::Dense(values),
-        shares: None,
-        dims,
-        to_medium,
-        low: DVec3::ZERO,
-        high: far,
-    }))
+    Ok(Some(stored.dense(limits)?.into()))
 }
 
 /// Temperatures of a grid: its background lies beyond what it stores. The field's own map is not yet set.
@@ -294,5 +185,5 @@ fn temperatures(grid: Scalar<'_>, limits: &Limits) -> Result<(Field<1>, DAffine3
         world_to_grid: DAffine3::IDENTITY,
         beyond: Beyond::Value([background]),
     };
-    Ok((field, grid.to_medium * DAffine3::from_translation(corner)))
+    Ok((field, grid.to_volume * DAffine3::from_translation(corner)))
 }
