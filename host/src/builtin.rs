@@ -1,6 +1,6 @@
 //! The scene that renders without a file: a cumulus under sun and sky.
 //!
-//! Camera and lights are a scene in the usual language; the cloud's density is [computed](cumulus).
+//! Camera and lights are a scene in the usual language; the cloud's density is computed (`builtin/cumulus.rs`).
 
 mod cumulus;
 
