@@ -9,6 +9,8 @@ use std::cell::RefCell;
 /// Samples at the integer places of a grid space, with a rim that interpolation to the outside needs.
 #[derive(Clone, Debug)]
 pub struct Density {
+    /// Name of the grid in its file, where grids have names.
+    pub name: Option<String>,
     /// x fastest.
     pub samples: Vec<f32>,
     /// Samples along x, y, z; each at least 3.
@@ -22,7 +24,7 @@ pub struct Density {
 
 impl Density {
     /// The density of an OpenVDB, NanoVDB or Mitsuba file, which their first bytes tell apart: of several grids the one named
-    /// `density`, or else the first. Finite, and nowhere negative. `None` where nothing is stored.
+    /// `density`, or else the first. Nowhere negative, and finite but for doubles beyond single precision. `None` where nothing is stored.
     ///
     /// * `remark`: told what a user may not expect.
     ///
@@ -187,6 +189,7 @@ impl<'a> Scalar<'a> {
             ));
         }
         Ok(voxels.stored_box().map(|(min, max)| Stored {
+            name,
             voxels,
             low: min.map(|i| i - 1),
             high: max.map(|i| i + 1),
@@ -198,6 +201,8 @@ impl<'a> Scalar<'a> {
 /// The part of a grid that its density fills, with the rim.
 #[derive(Clone, Copy, Debug)]
 pub struct Stored<'a> {
+    /// The grid's name.
+    pub name: &'a str,
     /// The grid's values.
     pub voxels: &'a Voxels,
     /// First voxel.
@@ -233,6 +238,7 @@ impl Stored<'_> {
         let dims = padded(self.size().map(|n| n - 2), limits)?;
         let samples = self.voxels.to_dense(self.low, self.high, limits);
         Ok(Density {
+            name: Some(self.name.to_owned()),
             samples: samples.map_err(|error| error.to_string())?,
             dims,
             to_volume: self.to_volume(),
@@ -315,12 +321,20 @@ impl CellBox {
         }
         let half = DVec3::splat(0.5);
         Ok(Density {
+            name: None,
             samples,
             dims,
             to_volume: self.to_volume(1.0),
             matter: [half, DVec3::new(nx as f64, ny as f64, nz as f64) + half],
         })
     }
+}
+
+/// The rows of an affine map in single precision, as the core takes them.
+#[must_use]
+pub fn rows(map: &DAffine3) -> [[f32; 4]; 3] {
+    let (m, t) = (map.matrix3, map.translation);
+    [0, 1, 2].map(|r| [m.x_axis[r], m.y_axis[r], m.z_axis[r], t[r]].map(|x| x as f32))
 }
 
 /// The dimensions of a grid with a rim of one sample, if memory has room for it.

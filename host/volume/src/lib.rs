@@ -15,7 +15,7 @@ pub mod nvdb;
 pub mod vdb;
 pub mod vol;
 
-pub use density::{CellBox, Density, Scalar, Stored, padded};
+pub use density::{CellBox, Density, Scalar, Stored, padded, rows};
 
 /// What a volume file may cost.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -4,25 +4,36 @@ const [NEAREST, FARTHEST] = [1.2, 40];
 const DEGREES_A_PIXEL = 0.4;
 const DEGREES_A_KEY = 5;
 
+const within = (x, low, high) => Math.min(high, Math.max(low, x));
+
+// The nearest view that can be had: all around, but never from right above or below, where left and right are nowhere.
+export function limited({ turn, height_angle, distance }) {
+  return {
+    turn: ((((turn + 180) % 360) + 360) % 360) - 180,
+    height_angle: within(height_angle, -89, 89),
+    distance: within(distance, NEAREST, FARTHEST),
+  };
+}
+
 // `view`: turn, height_angle [degrees], distance; `changed()` is called when it is another one.
 export function orbit(canvas, view, changed) {
   const pointers = new Map();
 
-  const turn = (dx, dy) => {
-    view.turn = ((view.turn + dx + 540) % 360) - 180;
-    view.height_angle = Math.min(89, Math.max(-89, view.height_angle + dy));
+  const move = (next) => {
+    const there = limited({ ...view, ...next });
+    if (Object.keys(there).every((name) => there[name] === view[name])) return;
+    Object.assign(view, there);
     changed();
   };
-  const approach = (factor) => {
-    view.distance = Math.min(FARTHEST, Math.max(NEAREST, view.distance * factor));
-    changed();
-  };
+  const turn = (dx, dy) => move({ turn: view.turn + dx, height_angle: view.height_angle + dy });
+  const approach = (factor) => move({ distance: view.distance * factor });
   const spread = () => {
     const [a, b] = [...pointers.values()];
     return Math.hypot(a.x - b.x, a.y - b.y);
   };
 
   canvas.addEventListener("pointerdown", (event) => {
+    if (event.button !== 0) return;
     canvas.setPointerCapture(event.pointerId);
     pointers.set(event.pointerId, { x: event.clientX, y: event.clientY });
   });
@@ -32,7 +43,7 @@ export function orbit(canvas, view, changed) {
     const before = pointers.size === 2 ? spread() : 0;
     const [dx, dy] = [event.clientX - last.x, event.clientY - last.y];
     pointers.set(event.pointerId, { x: event.clientX, y: event.clientY });
-    if (pointers.size === 1) turn(DEGREES_A_PIXEL * dx, DEGREES_A_PIXEL * dy);
+    if (pointers.size === 1) turn(-DEGREES_A_PIXEL * dx, DEGREES_A_PIXEL * dy);
     else if (before > 0 && spread() > 0) approach(before / spread());
   });
   for (const end of ["pointerup", "pointercancel"]) {
@@ -42,7 +53,8 @@ export function orbit(canvas, view, changed) {
     "wheel",
     (event) => {
       event.preventDefault();
-      approach(Math.exp(Math.sign(event.deltaY) * 0.1));
+      const pixels = event.deltaY * [1, 20, 400][event.deltaMode]; // they may be lines, or pages
+      approach(Math.exp(0.001 * within(pixels, -400, 400)));
     },
     { passive: false },
   );

@@ -1,144 +1,57 @@
-// The page: asks threads for samples, sums them up, shows what there is.
+// The page: what visitors set, and what they are told.
 import { Engine } from "./engine.js";
-import { orbit } from "./orbit.js";
+import { limited, orbit } from "./orbit.js";
+import { COARSE, Picture } from "./picture.js";
 import { Pool } from "./pool.js";
 
 const byId = (id) => document.getElementById(id);
 const canvas = byId("view");
-const context = canvas.getContext("2d", { willReadFrequently: true }); // written by the CPU
+const form = byId("controls");
 
-// Pixels are so much larger while something moves.
-const COARSE = 4;
-const MOVING = 250; // milliseconds after the last change
-const QUEUED = 2; // questions a thread has, so that it never waits for the page
-const SECONDS_A_QUESTION = 0.03;
+const MOST_THREADS = 16;
+const [LEAST_WIDTH, MOST_WIDTH] = [32, 2048];
 const FIRST_VIEW = { turn: 4, height_angle: -2, distance: 3.2 };
-
-const view = { ...FIRST_VIEW };
 const sliders = ["density", "g", "albedo", "sun_turn", "sun_height", "sun", "sky"];
 const choices = ["volume", "estimator", "packets", "stop"];
+const names = ["A cumulus", "A ball of fog"];
+const FILE = "2";
 
 // A link may set any control, the view, and the size of the picture: #density=2&stop=64&width=320.
 const link = new URLSearchParams(location.hash.slice(1));
-const stops = Number.parseInt(link.get("stop"), 10);
+const number = (name) => Number.parseFloat(link.get(name) ?? "");
+const stops = Math.floor(number("stop"));
 if (stops > 0) byId("stop").add(new Option(`${stops.toLocaleString("en")} samples`, stops), 0);
 for (const name of [...sliders, ...choices]) {
   const asked = link.get(name);
   const input = byId(name);
   if (asked !== null && (!input.options || [...input.options].some((option) => option.value === asked))) input.value = asked;
 }
+if (byId("volume").value === FILE) byId("volume").value = "0";
+const view = { ...FIRST_VIEW };
 for (const name of Object.keys(view)) {
-  const asked = Number.parseFloat(link.get(name));
-  if (Number.isFinite(asked)) view[name] = asked;
+  if (Number.isFinite(number(name))) view[name] = number(name);
 }
+Object.assign(view, limited(view));
+addEventListener("hashchange", () => location.reload());
 
 function size() {
-  const asked = Number.parseInt(link.get("width"), 10);
-  const width = asked > 0 ? asked : Math.min(640, canvas.clientWidth || 640);
-  const whole = Math.max(COARSE, Math.min(2048, width - (width % COARSE)));
-  const height = Math.round(whole * 0.625);
-  return { width: whole, height: height - (height % COARSE) };
-}
-
-function controls() {
-  const values = { ...view };
-  for (const name of sliders) values[name] = Number(byId(name).value);
-  for (const name of choices) values[name] = Number(byId(name).value);
-  values.density = 10 ** values.density;
-  const scale = run.coarse ? COARSE : 1;
-  return { ...values, width: full.width / scale, height: full.height / scale };
+  const asked = number("width") || Math.min(640, canvas.clientWidth || 640);
+  const width = Math.max(LEAST_WIDTH, Math.min(MOST_WIDTH, Math.floor(asked)));
+  const multiple = (n) => n - (n % COARSE);
+  return { width: multiple(width), height: multiple(Math.round(0.625 * width)) };
 }
 
 let full = size();
-let engine; // of this thread: the film
+let picture;
 let pool;
-let paused = false;
-let movedAt = -Infinity;
-let moving = 0;
-// What is being traced: every change begins another one.
-let run = { coarse: false, controls: undefined, row: 0, sample: 0, done: 0, begun: 0, paths: 0, busy: 0 };
+let shownVolume = byId("volume").value;
 
-function begin(coarse) {
-  run = { coarse, row: 0, sample: 0, done: 0, begun: performance.now(), paths: 0, busy: 0 };
-  run.controls = controls();
-  engine.controls = run.controls;
-  engine.newFilm();
-  canvas.dataset.samples = 0;
-  feed();
-}
-
-function changed() {
-  for (const output of document.querySelectorAll("label output")) {
-    const input = byId(output.htmlFor[0]);
-    const value = input.id === "density" ? (10 ** input.value).toPrecision(3) : input.value;
-    output.textContent = value + (input.dataset.unit ?? "");
-  }
-  if (!pool?.count) return;
-  movedAt = performance.now();
-  begin(true);
-  clearTimeout(moving);
-  moving = setTimeout(() => {
-    if (run.coarse) begin(false);
-  }, MOVING);
-}
-
-// A job of a thread, until there is no more.
-function next() {
-  if (paused || run.sample >= run.controls.stop) return;
-  const { width, height } = run.controls;
-  const rate = run.busy > 0 ? run.paths / run.busy : 2e5;
-  const rows = Math.max(1, Math.min(height - run.row, Math.round((rate * SECONDS_A_QUESTION) / width)));
-  const question = { ask: "trace", controls: run.controls, first: run.row, end: run.row + rows, sample: run.sample };
-  run.row += rows;
-  if (run.row >= height) [run.row, run.sample] = [0, run.sample + 1];
-  return question;
-}
-
-function feed() {
-  for (const thread of pool.threads) {
-    while (thread.idle < QUEUED) {
-      const question = next();
-      if (!question) return;
-      answer(thread, question, run);
-    }
-  }
-}
-
-async function answer(thread, question, asker) {
-  try {
-    const { radiance, seconds } = await thread.ask(question);
-    if (asker !== run) return feed();
-    engine.expose(question.first, radiance);
-    run.paths += radiance.length / 3;
-    run.busy += seconds;
-    feed();
-  } catch (error) {
-    say(`A thread has stopped: ${error.message}`, true);
-  }
-}
-
-let shownAt = 0;
-function show() {
-  requestAnimationFrame(show);
-  if (!run.controls) return;
-  const { width, height } = run.controls;
-  const samples = run.paths / (width * height);
-  // An unfinished first picture would be black below.
-  if (samples < 1 || samples === run.done) return;
-  const now = performance.now();
-  const finished = samples === run.controls.stop;
-  if (now - shownAt < (run.coarse ? 0 : 100) && !finished) return;
-  shownAt = now;
-  run.done = samples;
-  if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
-  context.putImageData(engine.picture(), 0, 0);
-  byId("samples").value = Math.floor(samples).toLocaleString("en");
-  const seconds = (now - run.begun) / 1000;
-  byId("speed").value = (run.paths / seconds / 1e6).toPrecision(3);
-  const noise = engine.calls.noise();
-  byId("noise").value = Number.isFinite(noise) ? `${(100 * noise).toPrecision(3)} %` : "–";
-  canvas.dataset.mean = engine.calls.mean();
-  canvas.dataset.samples = run.coarse ? 0 : Math.floor(samples);
+function controls(coarse) {
+  const values = { ...view };
+  for (const name of [...sliders, ...choices]) values[name] = Number(byId(name).value);
+  values.density = 10 ** values.density;
+  const scale = coarse ? COARSE : 1;
+  return { ...values, width: full.width / scale, height: full.height / scale };
 }
 
 function say(text, wrong = false) {
@@ -146,19 +59,49 @@ function say(text, wrong = false) {
   byId("message").classList.toggle("wrong", wrong);
 }
 
+// What sliders stand at.
+function tell() {
+  for (const name of sliders) {
+    const input = byId(name);
+    const value = name === "density" ? (10 ** input.value).toPrecision(3) : input.value;
+    const text = value + (input.dataset.unit ?? "");
+    form.querySelector(`output[for=${name}]`).textContent = text;
+    input.setAttribute("aria-valuetext", text);
+  }
+}
+
+function changed() {
+  tell();
+  picture?.change();
+  byId("pause").textContent = "Pause";
+}
+
+const report = {
+  numbers({ samples, rate, noise }) {
+    byId("samples").textContent = samples.toLocaleString("en");
+    byId("speed").textContent = (rate / 1e6).toPrecision(3);
+    byId("noise").textContent = Number.isFinite(noise) ? `${(100 * noise).toPrecision(3)} %` : "–";
+  },
+  wrong: (text) => say(text, true),
+};
+
+// Shows the volume that is chosen, or a file.
 async function load(file) {
-  const source = byId("volume");
-  if (!file && source.value === "2") source.value = "0";
-  const names = ["A cumulus", "A ball of fog"];
-  const name = file ? file.name : names[source.value];
+  const choice = byId("volume");
+  const name = file ? file.name : names[choice.value];
   say(`${name} …`);
   try {
-    const text = await pool.load(file ? 2 : Number(source.value), await file?.arrayBuffer());
-    if (file) source.value = "2";
+    const text = await pool.load(Number(file ? FILE : choice.value), await file?.arrayBuffer());
+    if (text === undefined) return; // another one was chosen meanwhile
+    if (file) choice.value = FILE;
+    shownVolume = choice.value;
     say(`${name}: ${text}.`);
-    byId("threads").value = pool.count;
-    begin(false);
+    byId("threads").textContent = pool.count;
+    picture.begin();
+    byId("pause").textContent = "Pause";
+    for (const button of form.querySelectorAll("button")) button.disabled = false;
   } catch (error) {
+    choice.value = shownVolume;
     say(`${name} cannot be shown: ${error.message}.`, true);
   }
 }
@@ -172,41 +115,63 @@ function save(blob, name) {
 }
 
 async function scene() {
-  const { text } = await pool.threads[0].ask({ ask: "describe", controls: run.controls });
+  const { text } = await pool.threads[0].ask({ ask: "describe", controls: picture.controls });
   return new Blob([text], { type: "text/plain" });
 }
 
-byId("controls").addEventListener("input", (event) => {
-  if (event.target.type === "file") return;
-  if (event.target.id !== "volume") changed();
-  else if (event.target.value === "2") byId("file").click();
-  else load();
+const failed = (error) => say(`That cannot be done: ${error.message}.`, true);
+const actions = {
+  pause() {
+    picture.pause(!picture.paused);
+    byId("pause").textContent = picture.paused ? "Go on" : "Pause";
+  },
+  async reset() {
+    form.reset();
+    Object.assign(view, FIRST_VIEW);
+    changed();
+    await load();
+  },
+  picture: () => canvas.toBlob((blob) => save(blob, "woodcock.png")),
+  scene: async () => save(await scene(), "woodcock.pbrt"),
+  async compare() {
+    const output = byId("compared");
+    byId("compare").disabled = true;
+    output.textContent = "Tracing the same rows both ways …";
+    try {
+      const question = { ask: "compare", controls: picture.controls, seconds: 3 };
+      const { scalar, packets, same } = await pool.threads[0].ask(question);
+      const [a, b] = [packets, scalar].map((rate) => (rate / 1e6).toPrecision(3));
+      const ratio = packets / scalar;
+      const bits = same ? "the same bits" : "other bits";
+      output.textContent = `Eight lanes ${a}, one lane ${b} million paths a second and thread: ${ratio.toFixed(2)} times as fast, ${bits}.`;
+      output.dataset.ratio = ratio;
+    } catch (error) {
+      output.textContent = "";
+      throw error;
+    } finally {
+      byId("compare").disabled = false;
+    }
+  },
+};
+for (const [id, action] of Object.entries(actions)) {
+  byId(id).addEventListener("click", () => Promise.resolve().then(action).catch(failed));
+}
+
+form.addEventListener("submit", (event) => event.preventDefault());
+form.addEventListener("input", ({ target }) => {
+  if (!picture) tell();
+  else if (target.id === "stop") picture.stop = Number(target.value);
+  else if (target.id !== "volume" && target.type !== "file") changed();
+  else if (target.id === "volume" && target.value !== FILE) load();
+  else if (target.id === "volume") {
+    target.value = shownVolume; // until there is a file
+    byId("file").click();
+  }
 });
-byId("controls").addEventListener("submit", (event) => event.preventDefault());
-byId("file").addEventListener("change", (event) => {
-  if (event.target.files.length > 0) load(event.target.files[0]);
-});
-byId("pause").addEventListener("click", () => {
-  paused = !paused;
-  byId("pause").textContent = paused ? "Go on" : "Pause";
-  if (!paused) feed();
-});
-byId("reset").addEventListener("click", () => {
-  byId("controls").reset();
-  Object.assign(view, FIRST_VIEW);
-  changed();
-  load();
-});
-byId("picture").addEventListener("click", () => canvas.toBlob((blob) => save(blob, "woodcock.png")));
-byId("scene").addEventListener("click", async () => save(await scene(), "woodcock.pbrt"));
-byId("compare").addEventListener("click", async () => {
-  const output = byId("compared");
-  output.value = "Tracing the same rows both ways …";
-  const { scalar, packets, same } = await pool.threads[0].ask({ ask: "compare", controls: run.controls, seconds: 3 });
-  const [a, b] = [packets, scalar].map((rate) => (rate / 1e6).toPrecision(3));
-  const bits = same ? "the same bits" : "other bits";
-  output.value = `Eight lanes ${a}, one lane ${b} million paths a second and thread: ${(packets / scalar).toFixed(2)} times as fast, ${bits}.`;
-  output.dataset.ratio = packets / scalar;
+byId("file").addEventListener("change", ({ target }) => {
+  const [file] = target.files;
+  target.value = ""; // so that the same file can be chosen again
+  if (file && picture) load(file);
 });
 
 // Files may be dropped anywhere.
@@ -223,13 +188,14 @@ addEventListener("drop", (event) => {
   if (!holdsFile(event)) return;
   event.preventDefault();
   byId("drop").hidden = true;
-  load(event.dataTransfer.files[0]);
+  const [file] = event.dataTransfer.files;
+  if (file && picture) load(file);
 });
 addEventListener("resize", () => {
   const next = size();
-  if (next.width === full.width || !pool?.count) return;
+  if (next.width === full.width) return;
   full = next;
-  begin(false);
+  picture?.begin();
 });
 
 orbit(canvas, view, changed);
@@ -246,15 +212,16 @@ async function compiled() {
 }
 
 try {
-  changed();
+  tell();
   const module = await compiled();
-  engine = new Engine(await WebAssembly.instantiate(module, {}));
-  const asked = Number.parseInt(link.get("threads"), 10);
-  pool = new Pool(module, asked > 0 ? Math.min(asked, 64) : Math.min(navigator.hardwareConcurrency || 2, 16));
+  const threads = Math.floor(number("threads")) || navigator.hardwareConcurrency || 2;
+  pool = new Pool(module, Math.max(1, Math.min(MOST_THREADS, threads)));
+  const engine = new Engine(await WebAssembly.instantiate(module, {}));
+  picture = new Picture(canvas, engine, pool, controls, report);
   await load();
-  show();
 } catch (error) {
-  say(`The engine does not start: ${error.message}. It needs WebAssembly with SIMD.`, true);
+  const needs = error instanceof WebAssembly.CompileError ? " It needs WebAssembly with SIMD." : "";
+  say(`The engine does not start: ${error.message}.${needs}`, true);
 }
 
 // For those who drive the page by script.

@@ -1,14 +1,25 @@
-// A thread: an instance of the engine that traces what the page asks for.
+// A thread: instances of the engine that trace what the page asks for.
 import { Engine } from "./engine.js";
 
+let module;
 let engine;
+let prepared;
 
 const answers = {
-  async begin({ module }) {
-    engine = new Engine(await WebAssembly.instantiate(module, {}));
+  begin(question) {
+    module = question.module;
   },
-  load({ kind, file }) {
-    return { text: engine.load(kind, file) };
+  // Reads a volume into an instance of its own, beside the one that is in use.
+  async prepare({ kind, file }) {
+    prepared = undefined;
+    const instance = new Engine(await WebAssembly.instantiate(module, {}));
+    const text = instance.load(kind, file);
+    prepared = instance;
+    return { text, bytes: instance.bytes };
+  },
+  use() {
+    engine = prepared;
+    prepared = undefined;
   },
   trace({ controls, first, end, sample }) {
     engine.controls = controls;
@@ -53,9 +64,8 @@ onmessage = async ({ data }) => {
     const lent = answer.radiance ? [answer.radiance.buffer] : [];
     postMessage({ ...answer, number: data.number }, lent);
   } catch (error) {
-    // A module that met its end cannot be asked again.
-    const fatal = error instanceof WebAssembly.RuntimeError;
-    const wrong = fatal ? "there is not enough memory for it here" : error.message;
-    postMessage({ number: data.number, wrong, fatal });
+    // Of an instance: no memory, or no stack.
+    const broken = error instanceof WebAssembly.RuntimeError || error instanceof RangeError;
+    postMessage({ number: data.number, wrong: broken ? "it is more than this page has memory for" : error.message });
   }
 };

@@ -3,15 +3,15 @@
 use crate::tone;
 
 /// Linear Rec. 709 to luminance.
-const LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
+const LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
 
 /// Sums over the samples of each pixel.
 #[derive(Debug, Default)]
 pub(crate) struct Film {
     width: usize,
-    sums: Vec<[f32; 3]>,
+    sums: Vec<[f64; 3]>,
     /// Of the squares of luminances.
-    squares: Vec<f32>,
+    squares: Vec<f64>,
     /// Samples of each row.
     samples: Vec<u32>,
     /// Red, green, blue and opacity of what is shown.
@@ -43,6 +43,7 @@ impl Film {
         for ((sum, square), radiance) in sums.skip(first * width).zip(rows) {
             let mut luminance = 0.0;
             for ((sum, new), weight) in sum.iter_mut().zip(radiance).zip(LUMINANCE) {
+                let new = f64::from(*new);
                 *sum += new;
                 luminance += weight * new;
             }
@@ -51,10 +52,10 @@ impl Film {
     }
 
     /// Pixels with the number of their samples: sums of colours, and of squares.
-    fn pixels(&self) -> impl Iterator<Item = (f32, &[f32; 3], f32)> {
+    fn pixels(&self) -> impl Iterator<Item = (f64, &[f64; 3], f64)> {
         let width = self.width.max(1);
         let samples = self.samples.iter();
-        let counts = samples.flat_map(move |n| std::iter::repeat_n(*n as f32, width));
+        let counts = samples.flat_map(move |n| std::iter::repeat_n(f64::from(*n), width));
         let pixels = counts.zip(&self.sums).zip(&self.squares);
         pixels.map(|((n, sum), square)| (n, sum, *square))
     }
@@ -63,7 +64,7 @@ impl Film {
         let mut picture = std::mem::take(&mut self.picture);
         for (shown, (n, sum, _)) in picture.iter_mut().zip(self.pixels()) {
             let scale = if n > 0.0 { 1.0 / n } else { 0.0 };
-            let [r, g, b] = sum.map(|x| self.levels.of(x * scale));
+            let [r, g, b] = sum.map(|x| self.levels.of((x * scale) as f32));
             *shown = [r, g, b, 255];
         }
         self.picture = picture;
@@ -73,9 +74,9 @@ impl Film {
     pub(crate) fn noise(&self) -> f64 {
         let (mut error, mut shown) = (0.0, 0.0);
         for (n, sum, square) in self.pixels() {
-            let luminance: f32 = sum.iter().zip(LUMINANCE).map(|(x, w)| x * w).sum();
-            let (n, mean) = (f64::from(n), f64::from(luminance) / f64::from(n));
-            let variance = (f64::from(square) / n - mean * mean).max(0.0) * n / (n - 1.0);
+            let luminance: f64 = sum.iter().zip(LUMINANCE).map(|(x, w)| x * w).sum();
+            let mean = luminance / n;
+            let variance = (square / n - mean * mean).max(0.0) * n / (n - 1.0);
             error += if n > 1.0 { variance / n } else { f64::NAN };
             shown += mean * mean;
         }
@@ -84,7 +85,7 @@ impl Film {
 
     pub(crate) fn mean(&self) -> f64 {
         let means = self.pixels();
-        let means = means.map(|(n, sum, _)| sum.iter().map(|x| f64::from(x / n)).sum::<f64>());
+        let means = means.map(|(n, sum, _)| sum.iter().map(|x| x / n).sum::<f64>());
         means.sum::<f64>() / (3.0 * self.sums.len() as f64)
     }
 }

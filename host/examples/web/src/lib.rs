@@ -32,7 +32,7 @@ struct Engine {
     bytes: Vec<u8>,
     /// What was found out about the volume, or went wrong.
     message: String,
-    /// Radiance of the pixels of the last rows, and how many paths each has.
+    /// Radiance of the pixels of the last rows.
     rows: Vec<[f32; 3]>,
 }
 

@@ -52,8 +52,11 @@ pub(crate) fn scene(controls: &Controls, volume: &Volume) -> String {
                 Source::Cumulus => listed(grid, &mut text),
                 // Pages are not told where files lie.
                 Source::File(kind) => {
+                    let name = grid.density.name.as_deref();
+                    let chosen = name.map(|name| format!(" \"string gridname\" {name:?}"));
                     text += &format!(
-                        "\"string type\" \"{kind}\" \"string filename\" \"volume.{kind}\""
+                        "\"string type\" \"{kind}\"{}\n# The name of your file:\n\"string filename\" \"volume\"",
+                        chosen.unwrap_or_default()
                     );
                 }
             }

@@ -33,6 +33,8 @@ pub struct Controls {
     pub(crate) sky: f32,
 }
 
+/// The most that [`density`](Controls::density) may be.
+pub(crate) const MOST_DENSITY: f32 = 1e3;
 /// Angle of view along the shorter side \[degrees\].
 pub(crate) const FIELD_OF_VIEW: f64 = 30.0;
 

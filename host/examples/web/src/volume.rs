@@ -12,10 +12,10 @@ use woodcock_core::path::{
 use woodcock_core::stream::Key;
 use woodcock_packet::lanes::Lanes;
 use woodcock_packet::trace::{self, PathLanes, PathRequest};
-use woodcock_volume::{CellBox, Density, Limits, vdb};
+use woodcock_volume::{CellBox, Density, Limits, rows, vdb};
 
 use crate::cumulus::{self, cumulus};
-use crate::view::Controls;
+use crate::view::{Controls, MOST_DENSITY};
 
 /// Voxels of the cloud along x.
 const CUMULUS: usize = 96;
@@ -74,11 +74,13 @@ impl Volume {
 
     pub(crate) fn of_file(bytes: &[u8]) -> Result<Self, String> {
         let mut remarks = String::new();
-        let density = Density::of_file(bytes, &LIMITS, |remark| {
+        let read = Density::of_file(bytes, &LIMITS, |remark| {
             remarks.push_str("; ");
             remarks.push_str(&remark);
-        })?
-        .ok_or(EMPTY)?;
+        });
+        // What the command line can do about it, visitors cannot.
+        let told = |why: String| why.replace("; raise --max-memory or use a smaller volume", "");
+        let density = read.map_err(told)?.ok_or(EMPTY)?;
         let kind = if bytes.starts_with(&vdb::MAGIC) {
             "openvdb"
         } else {
@@ -138,6 +140,9 @@ impl Placed {
         if peak == 0.0 {
             return Err(EMPTY.to_owned());
         }
+        if !(MOST_DENSITY / peak).is_finite() {
+            return Err(format!("its values, up to {peak:e}, are too small"));
+        }
         let [low, high] = density.matter;
         let corners = [0, 1, 2, 3, 4, 5, 6, 7].map(|bits: u32| {
             let at = |axis: usize| [low, high][(bits >> axis & 1) as usize][axis];
@@ -151,22 +156,24 @@ impl Placed {
         let to_page = DAffine3::from_scale(DVec3::splat(scale))
             * DAffine3::from_translation(-0.5 * (least + most));
         let to_grid = (to_page * density.to_volume).inverse();
-        if !(to_grid.is_finite() && scale > 0.0) {
-            return Err("its transform has no inverse".to_owned());
+        let to_local = DAffine3::from_translation(-low) * to_grid;
+        let (world_to_grid, to_local) = (rows(&to_grid), rows(&to_local));
+        let mut entries = world_to_grid.iter().chain(&to_local).flatten();
+        if !entries.all(|x| x.is_finite()) {
+            return Err("its transform has no inverse in single precision".to_owned());
         }
         let count = majorant_count(density.dims).ok_or("it has too many voxels")?;
         let mut majorants = vec![0.0; count];
         fill_majorants(&density.samples, density.dims, &mut majorants)
             .and_then(|()| MajorantGrid::new(&density.samples, density.dims, &majorants))
             .map_err(|error| error.to_string())?;
-        let local = DAffine3::from_translation(-low) * to_grid;
         Ok(Volume::Grid(Box::new(Self {
             peak,
             place: Convex::Box {
-                to_local: rows(&local),
+                to_local,
                 size: (high - low).as_vec3().to_array(),
             },
-            world_to_grid: rows(&to_grid),
+            world_to_grid,
             majorants,
             to_page,
             density,
@@ -254,9 +261,4 @@ impl fmt::Display for Volume {
             }
         }
     }
-}
-
-fn rows(map: &DAffine3) -> Affine {
-    let (m, t) = (map.matrix3, map.translation);
-    [0, 1, 2].map(|r| [m.x_axis[r], m.y_axis[r], m.z_axis[r], t[r]].map(|x| x as f32))
 }

@@ -149,7 +149,7 @@ pub(in crate::world) fn assemble(
                 .majorants()
                 .map_err(|error| named(error.to_string()))?;
             record.kind = RecordKind::Grid {
-                world_to_grid: samples::rows(&to_grid),
+                world_to_grid: super::rows(&to_grid),
                 dims: CloudDensity::DIMS,
                 samples: 0,
                 majorants: tables.majorants.len() as u32,

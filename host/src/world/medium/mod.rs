@@ -26,6 +26,7 @@ mod samples;
 mod sources;
 mod voxels;
 
+pub(super) use crate::volume::rows;
 pub(super) use assembly::{Surroundings, assemble};
 pub use bricks::BrickTables;
 pub use cloud::{CloudDensity, CloudField};
@@ -36,7 +37,6 @@ pub use held::{Held, held};
 pub use local::Local;
 pub(crate) use packets::PacketSource;
 pub use phase::PhaseFunction;
-pub(super) use samples::rows;
 pub use voxels::EmissiveVoxel;
 
 use glam::{DAffine3, DMat3, DVec3};

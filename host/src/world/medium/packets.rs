@@ -6,7 +6,7 @@ use super::Medium;
 use super::blackbody::DARK;
 use super::emission::Radiance;
 use super::field::Field;
-use super::samples::rows;
+use super::rows;
 use glam::{DAffine3, DVec3};
 
 /// Samples of a field and a rim of one sample around them, beyond which it is constant.

@@ -8,7 +8,7 @@ use super::bounds::Bounds;
 use super::brick_bounds;
 use super::bricks::BrickTables;
 use super::details::Share;
-use super::{Support, Tables};
+use super::{Support, Tables, rows};
 use crate::scene::NamedMedium;
 use crate::volume::Density;
 
@@ -154,12 +154,6 @@ pub(super) fn place(
         let size = samples.high - samples.low;
         (rows(&to_grid), Support { to_local, size })
     })
-}
-
-/// The rows of an affine map in single precision.
-pub(in crate::world) fn rows(map: &DAffine3) -> Affine {
-    let (m, t) = (map.matrix3, map.translation);
-    [0, 1, 2].map(|r| [m.x_axis[r], m.y_axis[r], m.z_axis[r], t[r]].map(|x| x as f32))
 }
 
 /// Adds a grid to the tables, with its bounds.

@@ -221,8 +221,7 @@ fn read_grid(
             Some(typed) => voxels = Some(Arc::new(Voxels(typed))),
             None => {
                 reason = Some(format!(
-                    "grids of type `{}` are not supported (5-4-3 trees of float, double, half, int32, int64, bool, \
-                     vec3s, vec3d and vec3i are)",
+                    "grids of type `{}` are not supported (5-4-3 trees of {SUPPORTED} are)",
                     descriptor.type_name
                 ));
             }
@@ -243,6 +242,11 @@ fn read_grid(
         reason,
     })
 }
+
+#[cfg(feature = "all-types")]
+const SUPPORTED: &str = "float, double, half, int32, int64, bool, vec3s, vec3d and vec3i";
+#[cfg(not(feature = "all-types"))]
+const SUPPORTED: &str = "float and half";
 
 fn read_voxels(
     cursor: &mut Cursor<'_>,
