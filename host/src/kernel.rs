@@ -390,3 +390,21 @@ pub(crate) fn replay(world: &World, plan: &Plan, request: PathRequest) -> (PathS
     }
     all
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pilot;
+
+    /// A pilot's bad luck must not be the picture's.
+    #[test]
+    fn colours_and_pilots_have_seeds_of_their_own() {
+        for seed in [0, 1, u64::MAX] {
+            let of = |seed| (0..3).map(move |colour| seed_of(seed, colour));
+            let mut seeds: Vec<u64> = of(seed).chain(of(pilot::seed(seed))).collect();
+            seeds.sort_unstable();
+            seeds.dedup();
+            assert_eq!(seeds.len(), 6);
+        }
+    }
+}

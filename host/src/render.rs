@@ -14,11 +14,11 @@ use crate::kernel;
 pub use crate::kernel::kernel_name;
 use crate::world::{Feature, World};
 
-/// Eight lanes or one. Both give the same bits.
+/// Many lanes or one. Both give the same bits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Kernel {
-    /// Eight lanes with refill
+    /// Sixteen lanes with refill
     #[default]
     Packet,
     /// One lane: the same code, the same bits

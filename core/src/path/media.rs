@@ -32,6 +32,15 @@ pub trait PathMedium<R: Real>: Medium<R> {
     /// How the medium of each lane scatters.
     fn optics(&self, walk: &Self::Walk) -> Optics<R>;
 
+    /// Whether some of it [is closed](Self::is_closed).
+    const CLOSED: bool = Self::TIGHT;
+
+    /// The lanes whose present stretch has one extinction throughout, so that its transmittance has a closed form.
+    #[inline(always)]
+    fn is_closed(&self, _walk: &Self::Walk) -> R::Mask {
+        R::Mask::splat(Self::TIGHT)
+    }
+
     /// Whether it alone is in the scene, in all of its domain: rays that set out from [marks](Self::mark) need no geometry.
     #[inline(always)]
     fn is_alone(&self) -> bool {
@@ -444,6 +453,12 @@ impl<R: Real> Medium<R> for Atlas<'_> {
 }
 
 impl<R: Real> PathMedium<R> for Atlas<'_> {
+    const CLOSED: bool = true;
+
+    #[inline(always)]
+    fn is_closed(&self, walk: &AtlasWalk<R>) -> R::Mask {
+        R::Mask::splat(true).and_not(walk.is_grid)
+    }
     #[inline(always)]
     fn enter(&self, walk: &mut AtlasWalk<R>, ray: &Ray<R>, id: R::Word, active: R::Mask) {
         let fields = self.fields::<R>(id);

@@ -85,8 +85,8 @@ pub struct Settings {
     pub shadow: ShadowEstimator,
     /// Whether first choices take [points](crate::points) that lie well; else all come from the stream.
     pub points: bool,
-    /// Whether each flight within a medium of constant extinction collides, what would have passed being scored as it
-    /// goes; for scenes whose rays meet one stretch of one medium at most.
+    /// Whether flights within a medium of constant extinction collide where their paths still have much to bring, what would have passed
+    /// being scored as they go; for scenes whose rays meet one stretch of one medium at most, and no light samples the environment.
     pub forced: bool,
     /// Whether combs of points along camera rays find what they see of a medium that shines, and paths begin with its
     /// scatterings; for a single medium whose stretches of a ray do not overlap.
@@ -104,6 +104,13 @@ pub struct Settings {
 }
 
 impl Settings {
+    /// Whether flights are [`forced`](Self::forced): what passes meets the environment with its whole weight, which it has only if nothing
+    /// else samples that.
+    #[inline(always)]
+    pub(crate) fn forces(&self, lights: &Lights<'_>) -> bool {
+        self.forced && !lights.sample_environment
+    }
+
     /// What [`faint`](Self::faint) is where every shadow ray is to be traced.
     pub const ALL_SHADOW_RAYS: f32 = 1e-9;
 }
@@ -143,6 +150,6 @@ pub struct Scene<'a, M, G: ?Sized> {
 pub struct PathSample {
     /// Radiance along the camera ray, by colour.
     pub radiance: [f32; 3],
-    /// One if the path met a medium's particles, zero if it passed everything.
+    /// An estimate of how much of what is behind is hidden, by media and surfaces.
     pub alpha: f32,
 }

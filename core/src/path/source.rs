@@ -196,6 +196,12 @@ impl<R: Real, M: Medium<R>> Medium<R> for Shining<'_, M> {
 }
 
 impl<R: Real, M: PathMedium<R>> PathMedium<R> for Shining<'_, M> {
+    const CLOSED: bool = M::CLOSED;
+
+    #[inline(always)]
+    fn is_closed(&self, walk: &M::Walk) -> R::Mask {
+        self.medium.is_closed(walk)
+    }
     #[inline(always)]
     fn enter(&self, walk: &mut M::Walk, ray: &Ray<R>, id: R::Word, active: R::Mask) {
         self.medium.enter(walk, ray, id, active);

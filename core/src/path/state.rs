@@ -72,7 +72,8 @@ pub struct Paths<R: Real, W, S, const CHROMATIC: bool, const ANY_RAYLEIGH: bool,
     /// What the shadow ray's light brings, but for its transmittance, which is `weight`.
     direct: Vec3<R>,
     weight: Vec3<R>,
-    /// The part of the throughput that was not lost but scored as what passes.
+    /// What the throughput would be had nothing been absorbed: what scoring what passes left of it, or a branch began with. Roulette goes by
+    /// the ratio of both.
     forced: R,
     /// Below this weight the shadow ray plays roulette, and survives with it.
     floor: R,
@@ -402,8 +403,9 @@ where
                 .medium
                 .enter(&mut self.tracker.walk, &ray, stretch.medium, inside);
             let mut tracked = inside;
-            if M::TIGHT {
-                let through = inside & self.shadow;
+            if M::CLOSED {
+                let closed = scene.medium.is_closed(&self.tracker.walk);
+                let through = inside & self.shadow & closed;
                 if through.any() {
                     self.attenuate(scene.medium, t1 - t0, through);
                     self.next_stretch(through);
@@ -411,7 +413,7 @@ where
                 }
             }
             let length = t1 - t0;
-            if M::TIGHT && !CHROMATIC && scene.settings.forced {
+            if M::TIGHT && !CHROMATIC && scene.settings.forces(&scene.lights) {
                 self.fly(scene, length, tracked);
             } else {
                 self.begin_flight(scene, length, tracked);
@@ -758,7 +760,7 @@ where
         let throughput = self.throughput.times(self.hit.albedo);
         // What flights were made to leave is not lost: only losses play roulette, or paths that lose nothing would be noisy.
         // Branches are many because each brings little: they play for what is left of their own beginning.
-        let own = M::TIGHT && !CHROMATIC && scene.settings.forced;
+        let own = M::TIGHT && !CHROMATIC && scene.settings.forces(&scene.lights);
         let left = if own || Self::combs(scene) {
             throughput.max_component() / self.forced
         } else {

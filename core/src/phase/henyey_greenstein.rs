@@ -22,7 +22,8 @@ pub fn eval<R: Real>(cos_theta: R, g: R) -> R {
     let magnitude = g.abs();
     let forward = R::select(g.lt(R::zero()), -cos_theta, cos_theta);
     let rest = one - magnitude;
-    let base = rest * rest + two * magnitude * (one - forward);
+    // Of rounded directions the cosine may exceed one.
+    let base = rest * rest + two * magnitude * (one - forward).max(R::zero());
     R::splat(INV_4PI) * rest * (one + magnitude) / (base * base.sqrt())
 }
 

@@ -103,7 +103,7 @@ pub struct RenderArgs {
     /// Transmittance estimator; chosen by the scene if not given
     #[arg(long, value_enum, value_name = "NAME")]
     pub transmittance: Option<Transmittance>,
-    /// Eight lanes or one; the same bits
+    /// Sixteen lanes or one; the same bits
     #[arg(long, value_enum, value_name = "NAME", default_value_t)]
     pub kernel: Kernel,
     /// Keep work that the scene does not need (see `explain`); may be repeated

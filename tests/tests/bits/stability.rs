@@ -194,10 +194,10 @@ fn whole_paths_are_pinned() {
             "glowing cloud, flown, known to be alone",
             3_948_269_229_534_842_567,
         ),
-        ("four media that overlap", 10_154_692_060_154_971_878),
+        ("four media that overlap", 13_933_779_688_446_155_259),
         (
             "four media that overlap, shadow rays estimated several times",
-            4_675_120_966_136_639_148,
+            3_695_139_536_952_208_086,
         ),
     ];
     let found = pinned.iter();

@@ -283,6 +283,50 @@ fn walls_do_not_leak() {
     }
 }
 
+/// The same with walls of two flat triangles each, so far from the origin that single precision ends at 10⁻⁴: flights that have just left
+/// a wall, for which no surface is ahead, collide nearer to it than that.
+#[test]
+fn flat_walls_do_not_leak() {
+    const FAR: f64 = 1000.7;
+    let wall = |axis: usize, level: f64| {
+        let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+        let mut points = String::new();
+        for [u, v] in corners {
+            let mut corner = [0.0; 3];
+            corner[axis] = level;
+            corner[(axis + 1) % 3] = u * FAR;
+            corner[(axis + 2) % 3] = v * FAR;
+            let [x, y, z] = corner;
+            points += &format!(" {x} {y} {z}");
+        }
+        with_material(
+            &diffuse([0.8; 3]),
+            &format!(
+                "Shape \"trianglemesh\" \"point3 P\" [{points}] \"integer indices\" [ 0 1 2 0 2 3 ]"
+            ),
+        )
+    };
+    let walls: String = (0..3)
+        .flat_map(|axis| [wall(axis, -FAR), wall(axis, FAR)])
+        .collect();
+    let world = "MediumInterface \"\" \"\"\n".to_owned()
+        + &day()
+        + &walls
+        + &sphere(METAL, [0.0, -0.3, 0.0], 0.3)
+        + &homogeneous("haze", &grey(30.0, 0.9, 0.0))
+        + &ball("haze", "", [0.0; 3], 9000.0);
+    let view = perspective([0.0, 0.0, 1000.68], [0.0, 0.3, 1.0], 90.0);
+    let camera = format!("MediumInterface \"\" \"haze\"\n{view}");
+    let exhibit = Exhibit::new("a closed hall", camera, world);
+    let studio = staged(&exhibit, &[], Integrator::Path, 9410);
+    assert!(is_queued(&studio));
+    let picture = studio.shoot_range(0..256);
+    assert!(picture.counts.real_collisions > 100_000);
+    for (x, y, pixel) in picture.film.pixels() {
+        assert_eq!(pixel.mean(), [0.0; 3], "light at ({x}, {y})");
+    }
+}
+
 /// Of each kind of mistake the comparisons see one.
 #[test]
 fn mistakes_among_surfaces_are_seen() {

@@ -33,6 +33,8 @@ pub(super) struct Among<R: Real> {
     sighted: R::Mask,
     /// Those that meet a surface at their limit, or did before they collided.
     bounded: R::Mask,
+    /// Paths whose flight leaves a surface, near which single precision may not tell the sides apart.
+    leaves: R::Mask,
     /// Paths that stand where their surfaces say; others stand at their ray's origin.
     stands: R::Mask,
     /// The flat box whose plane they stand in.
@@ -47,6 +49,7 @@ impl<R: Real> Among<R> {
             struck: none,
             sighted: none,
             bounded: none,
+            leaves: none,
             stands: none,
             plane: R::Word::splat(NO_PLANE),
         }
@@ -86,6 +89,7 @@ where
             struck,
             sighted,
             bounded,
+            leaves,
             stands,
             plane,
         } = &mut self.among;
@@ -93,6 +97,7 @@ where
         struck.set_lane(lane, false);
         sighted.set_lane(lane, true);
         bounded.set_lane(lane, distance < FAR);
+        leaves.set_lane(lane, false);
         stands.set_lane(lane, true);
         plane.set_lane(lane, NO_PLANE);
     }
@@ -134,10 +139,11 @@ where
         passed.and_not(unsure | arrived)
     }
 
-    /// Collisions of lanes about to scatter: those before a surface keep to their side of it.
+    /// Collisions of lanes about to scatter: those before a surface, and those behind one that they left, keep to their side of it.
     #[inline(always)]
     pub(super) fn collide_among(&mut self, lanes: R::Mask) {
-        let before = lanes & self.among.bounded;
+        let before = lanes & (self.among.bounded | self.among.leaves);
+        self.among.leaves = self.among.leaves.and_not(lanes);
         let none = R::Word::splat(NO_PLANE);
         self.among.plane = R::Word::select(lanes, none, self.among.plane);
         self.among.stands = self.among.stands.and_not(lanes) | before;
@@ -223,6 +229,7 @@ where
         }
         self.ray.origin = Vec3::select(alive, point, self.ray.origin);
         self.among.stands = self.among.stands | alive;
+        self.among.leaves = self.among.leaves | alive;
         self.among.plane = R::Word::select(alive, plane, self.among.plane);
         let kind = self.stream.uniform(alive);
         let (u, v) = self.phase_numbers(scene.settings.points, alive);

@@ -1,6 +1,6 @@
 //! The engine of the page: woodcock's path tracer over one grid, as a WebAssembly module without imports.
 //!
-//! A page and each of its workers have an instance of their own, with its own memory. The page writes [`Controls`] and the bytes
+//! A page and each of its workers have an instance of their own, with its own memory. The page writes `Controls` and the bytes
 //! of files, calls the functions below and reads what they leave; nothing is copied but by the page.
 #![allow(
     unsafe_code,
@@ -44,7 +44,7 @@ fn with<T>(job: impl FnOnce(&mut Engine) -> T) -> T {
     ENGINE.with_borrow_mut(job)
 }
 
-/// Where the page writes what it wants: a [`Controls`].
+/// Where the page writes what it wants: a `Controls` of `view.rs`.
 #[unsafe(no_mangle)]
 pub extern "C" fn controls() -> *mut Controls {
     with(|engine| &raw mut engine.controls)
