@@ -269,7 +269,7 @@ fn walls_do_not_leak() {
         + &walls
         + &sphere(METAL, [0.0, -0.3, 0.8], 0.3)
         + &homogeneous("haze", &grey(2.0, 0.9, 0.8))
-        + &ball("haze", "", [0.0; 3], 9.0);
+        + &ball("haze", "", [0.1, 0.2, 0.3], 1.8);
     let view = perspective([0.0, 0.0, -0.3], [0.0, 0.0, 1.0], 90.0);
     let camera = format!("MediumInterface \"\" \"haze\"\n{view}");
     let exhibit = Exhibit::new("a closed box", camera, world);
@@ -287,7 +287,7 @@ fn walls_do_not_leak() {
 /// a wall, for which no surface is ahead, collide nearer to it than that.
 #[test]
 fn flat_walls_do_not_leak() {
-    const FAR: f64 = 1000.7;
+    const FAR: f64 = 1024.5;
     let wall = |axis: usize, level: f64| {
         let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
         let mut points = String::new();
@@ -314,8 +314,9 @@ fn flat_walls_do_not_leak() {
         + &walls
         + &sphere(METAL, [0.0, -0.3, 0.0], 0.3)
         + &homogeneous("haze", &grey(30.0, 0.9, 0.0))
-        + &ball("haze", "", [0.0; 3], 9000.0);
-    let view = perspective([0.0, 0.0, 1000.68], [0.0, 0.3, 1.0], 90.0);
+        // Of which little is without, so that what leaks is seen.
+        + &block("haze", "", [[-FAR - 0.03; 3], [FAR + 0.03; 3]]);
+    let view = perspective([0.0, 0.0, 1024.48], [0.0, 0.3, 1.0], 90.0);
     let camera = format!("MediumInterface \"\" \"haze\"\n{view}");
     let exhibit = Exhibit::new("a closed hall", camera, world);
     let studio = staged(&exhibit, &[], Integrator::Path, 9410);
