@@ -79,7 +79,7 @@ where
     trace_among::<M, G, _, CHROMATIC, ANY_RAYLEIGH>(scene, NoSurfaces, requests, land)
 }
 
-/// The same among surfaces, whose `places` (see [`Surfaces::sight`]) are below [`LANES`] and whose lanes below [`WIDTH`](crate::both::WIDTH).
+/// The same among surfaces, whose `places` (see [`Surfaces::sight`]) are below [`LANES`] and whose lanes below [`both::WIDTH`](crate::both::WIDTH).
 pub fn trace_among<M, G, H, const CHROMATIC: bool, const ANY_RAYLEIGH: bool>(
     scene: &Scene<'_, M, G>,
     surfaces: H,

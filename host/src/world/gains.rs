@@ -17,6 +17,7 @@ const MEASURED: &[(Feature, &str, f64, f64)] = &[
     (Feature::IndependentSamples, "cloud", 1.00, 1.11),
     (Feature::DenseGrid, "cloud", 1.14, 1.13),
     (Feature::Tracking, "fog", 0.95, 3.91),
+    (Feature::DetailedSurfaces, "ground", 4.61, 12.59),
     (Feature::Chromatic, "fog", 0.93, 3.83),
     (Feature::SeveralMedia, "fog", 0.95, 3.90),
     (Feature::Boundaries, "fog", 2.42, 10.09),
