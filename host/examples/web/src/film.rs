@@ -20,16 +20,14 @@ pub(crate) struct Film {
 }
 
 impl Film {
-    pub(crate) fn new(width: u32, height: u32) -> Self {
+    /// Empties the film, for pictures of this size. Its levels stay, as every movement of a hand begins a film.
+    pub(crate) fn begin(&mut self, width: u32, height: u32) {
         let [width, height] = [width, height].map(|n| n as usize);
-        Self {
-            width,
-            sums: vec![[0.0; 3]; width * height],
-            squares: vec![0.0; width * height],
-            samples: vec![0; height],
-            picture: vec![[0, 0, 0, 255]; width * height],
-            levels: Levels::default(),
-        }
+        self.width = width;
+        self.sums = vec![[0.0; 3]; width * height];
+        self.squares = vec![0.0; width * height];
+        self.samples = vec![0; height];
+        self.picture = vec![[0, 0, 0, 255]; width * height];
     }
 
     /// Adds a sample to each pixel of some rows; what is beyond the film is left away.
@@ -138,7 +136,8 @@ mod tests {
 
     #[test]
     fn means_and_errors_are_those_of_the_samples() {
-        let mut film = Film::new(2, 2);
+        let mut film = Film::default();
+        film.begin(2, 2);
         let row = |a: f32, b: f32| [[a; 3], [b; 3]];
         for [a, b] in [[1.0, 4.0], [3.0, 4.0]] {
             film.add(0, &row(a, b));
@@ -153,6 +152,7 @@ mod tests {
         assert_eq!(film.picture[0], [level, level, level, 255]);
         film.add(7, &row(9.0, 9.0));
         assert_eq!(film.picture.len(), 4);
-        assert!(Film::new(2, 2).noise().is_nan());
+        film.begin(2, 2);
+        assert!(film.noise().is_nan());
     }
 }

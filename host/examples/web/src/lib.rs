@@ -131,7 +131,7 @@ pub extern "C" fn trace(first: u32, end: u32, sample: u32) -> *const f32 {
 pub extern "C" fn film() -> *const u8 {
     with(|engine| {
         let Controls { width, height, .. } = engine.controls;
-        engine.film = Film::new(width, height);
+        engine.film.begin(width, height);
         engine.film.picture.as_ptr().cast()
     })
 }
